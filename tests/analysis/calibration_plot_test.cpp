@@ -24,9 +24,7 @@ TEST(CalibrationPlot, DrawsAPanelPerParameter) {
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2 * 4);  // band, even share, two methods
-  for (const char* words : {">mass<", ">pole_length<", ">A<", ">B &lt;&amp;><"}) {
-    EXPECT_NE(svg.find(words), std::string::npos) << words;
-  }
+  EXPECT_TRUE(has(svg, {">mass<", ">pole_length<", ">A<", ">B &lt;&amp;><"}));
   EXPECT_TRUE(is_png(read_text_file(files.png)));
 }
 
@@ -45,7 +43,7 @@ TEST(CalibrationPlot, DrawsCurvesOfCoverage) {
   const std::string svg = read_text_file(write_coverage_plot(plot, folder.path()).svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);  // band, diagonal and two methods
-  EXPECT_NE(svg.find(">highest density<"), std::string::npos);
+  EXPECT_TRUE(has(svg, ">highest density<"));
 }
 
 TEST(CalibrationPlot, AMethodHasOneColorInAllPanels) {
@@ -57,9 +55,7 @@ TEST(CalibrationPlot, AMethodHasOneColorInAllPanels) {
       9};
   const FigureFiles files = write_coverage_plot(plot, folder.path());
   const std::string script = read_text_file(files.script);
-  EXPECT_NE(script.find("'coverage_3.dat' using 1:2 with lines lw 1.6 lc rgb '#00e69f00'"),
-            std::string::npos)
-      << script;
+  EXPECT_TRUE(has(script, "'coverage_3.dat' using 1:2 with lines lw 1.6 lc rgb '#00e69f00'"));
 }
 
 TEST(CalibrationPlot, RejectsWhatCantBeDrawn) {

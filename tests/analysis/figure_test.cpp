@@ -56,13 +56,11 @@ TEST(Figure, SaysWhereItsPanelsAreAndWhatTheyShow) {
   const std::string svg = draw(figure).svg;
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<rect class=\"panel\""), 1);
-  EXPECT_NE(svg.find("data-x-lower=\"0\" data-x-upper=\"1\" data-x-title=\"time [10⁻³ s]\""),
-            std::string::npos);
-  EXPECT_NE(svg.find("data-color=\"#123456\" data-name=\"A &amp; B\""), std::string::npos);
+  EXPECT_TRUE(has(svg, {"data-x-lower=\"0\" data-x-upper=\"1\" data-x-title=\"time [10⁻³ s]\"",
+                        "data-color=\"#123456\" data-name=\"A &amp; B\""}));
   const std::string tip = svg.substr(svg.find("<rect class=\"tip\""));
-  EXPECT_NE(tip.find("width=\"115.00\" height=\"115.00\"><title>upper &lt;left&gt;</title>"),
-            std::string::npos)
-      << "half of a panel's 230 pixels: " << tip;
+  EXPECT_TRUE(has(tip, "width=\"115.00\" height=\"115.00\"><title>upper &lt;left&gt;</title>"))
+      << "half of a panel's 230 pixels";
 }
 
 TEST(Figure, LeavesPlacesWithoutSeriesEmpty) {
@@ -71,15 +69,13 @@ TEST(Figure, LeavesPlacesWithoutSeriesEmpty) {
   const Drawn drawn = draw(figure);
   EXPECT_EQ(count_of(drawn.svg, "<g id=\"gnuplot_plot_"), 3);
   EXPECT_EQ(count_of(drawn.svg, ">time [10⁻³ s]<"), 2) << "the column's lowest panel is the first";
-  EXPECT_EQ(drawn.svg.find(">panel 3<"), std::string::npos);
+  EXPECT_FALSE(has(drawn.svg, ">panel 3<"));
 }
 
 TEST(Figure, ShowsValuesInTheUnitOfTheAxis) {
   const std::string script = draw(drawn_grid_of(1, 1)).script;
-  EXPECT_NE(script.find("set xrange [0:1]"), std::string::npos);
-  EXPECT_NE(script.find("'grid_1.dat' using ($1*1000):2 with lines lw 1.6 lc rgb '#00123456'"),
-            std::string::npos)
-      << script;
+  EXPECT_TRUE(has(script, {"set xrange [0:1]",
+                           "'grid_1.dat' using ($1*1000):2 with lines lw 1.6 lc rgb '#00123456'"}));
 }
 
 TEST(Figure, DrawsEveryKindOfSeries) {
@@ -100,11 +96,9 @@ TEST(Figure, DrawsEveryKindOfSeries) {
   EXPECT_EQ(markup_error(drawn.svg), "");
   EXPECT_EQ(count_of(drawn.svg, "<g id=\"gnuplot_plot_"), 7);
   EXPECT_EQ(count_of(drawn.script, "set colorbox user"), 1);
-  for (const char* style :
-       {"points pt 7", "steps lw", "($1*1000):2:($3*1000):3 with vectors nohead",
-        ":3 with filledcurves fs", "y1=0", "image"}) {
-    EXPECT_NE(drawn.script.find(style), std::string::npos) << style;
-  }
+  EXPECT_TRUE(
+      has(drawn.script, {"points pt 7", "steps lw", "($1*1000):2:($3*1000):3 with vectors nohead",
+                         ":3 with filledcurves fs", "y1=0", "image"}));
 }
 
 TEST(Figure, DrawsDataWithoutAnythingToShow) {
@@ -113,7 +107,7 @@ TEST(Figure, DrawsDataWithoutAnythingToShow) {
   figure.panels[1].series[0].table = add_table(figure, "NaN", RowMatrix::Constant(3, 2, kNaN));
   const Drawn drawn = draw(figure);
   EXPECT_EQ(markup_error(drawn.svg), "");
-  EXPECT_NE(drawn.svg.find(">panel 1<"), std::string::npos);
+  EXPECT_TRUE(has(drawn.svg, ">panel 1<"));
 }
 
 TEST(Figure, MarksPlacesInsideOfTheAxes) {
@@ -122,15 +116,13 @@ TEST(Figure, MarksPlacesInsideOfTheAxes) {
     figure.panels[0].marks = {{shape, "#123456", x, y, 1.0, LineStyle::dashed}};
     return draw(figure).script;
   };
-  EXPECT_NE(
-      mark(LegendMark::diamond, 5e-4, 0.25).find("at first 0.5, first 0.25 point pt 13 ps 1 "),
-      std::string::npos);
-  EXPECT_NE(mark(LegendMark::line, 5e-4, 7.0)
-                .find("from first 0.5, graph 0 to first 0.5, graph 1 nohead front lw 1.5 dt 2"),
-            std::string::npos);
-  EXPECT_EQ(mark(LegendMark::diamond, 5e-4, 7.0).find("first"), std::string::npos);
-  EXPECT_EQ(mark(LegendMark::line, 2e-3, 0.5).find("first"), std::string::npos);
-  EXPECT_EQ(mark(LegendMark::dot, kNaN, 0.5).find("first"), std::string::npos);
+  EXPECT_TRUE(
+      has(mark(LegendMark::diamond, 5e-4, 0.25), "at first 0.5, first 0.25 point pt 13 ps 1 "));
+  EXPECT_TRUE(has(mark(LegendMark::line, 5e-4, 7.0),
+                  "from first 0.5, graph 0 to first 0.5, graph 1 nohead front lw 1.5 dt 2"));
+  EXPECT_FALSE(has(mark(LegendMark::diamond, 5e-4, 7.0), "first"));
+  EXPECT_FALSE(has(mark(LegendMark::line, 2e-3, 0.5), "first"));
+  EXPECT_FALSE(has(mark(LegendMark::dot, kNaN, 0.5), "first"));
 }
 
 TEST(Figure, LegendEntriesShowTheirMark) {
@@ -139,13 +131,12 @@ TEST(Figure, LegendEntriesShowTheirMark) {
     figure.legend = {{mark, "#123456", "words"}};
     return draw(figure).script;
   };
-  EXPECT_NE(script(LegendMark::dot).find("pt 7 ps 0.8 lc rgb '#123456'"), std::string::npos);
-  EXPECT_NE(script(LegendMark::triangle).find("pt 9 "), std::string::npos);
-  EXPECT_NE(script(LegendMark::square).find("pt 5 "), std::string::npos);
-  EXPECT_NE(script(LegendMark::line).find("set arrow"), std::string::npos);
-  EXPECT_EQ(script(LegendMark::line).find("set object rectangle"), std::string::npos);
-  EXPECT_NE(script(LegendMark::band).find("set object rectangle"), std::string::npos);
-  EXPECT_NE(script(LegendMark::band).find("'words'"), std::string::npos);
+  EXPECT_TRUE(has(script(LegendMark::dot), "pt 7 ps 0.8 lc rgb '#123456'"));
+  EXPECT_TRUE(has(script(LegendMark::triangle), "pt 9 "));
+  EXPECT_TRUE(has(script(LegendMark::square), "pt 5 "));
+  EXPECT_TRUE(has(script(LegendMark::line), "set arrow"));
+  EXPECT_FALSE(has(script(LegendMark::line), "set object rectangle"));
+  EXPECT_TRUE(has(script(LegendMark::band), {"set object rectangle", "'words'"}));
 }
 
 TEST(Figure, TextsAreTextAndNothingElse) {

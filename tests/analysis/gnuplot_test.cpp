@@ -28,14 +28,13 @@ TEST(Gnuplot, MakesSvgPngAndPdfFromOneScript) {
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<circle cx="), 3);
-  EXPECT_NE(svg.find("width=\"320\" height=\"200\""), std::string::npos);
+  EXPECT_TRUE(has(svg, "width=\"320\" height=\"200\""));
   const std::string png = read_text_file(files.png);
   ASSERT_TRUE(is_png(png));
   // Width and height, two bytes each, where the header has them: twice those of the SVG.
   EXPECT_EQ(png.substr(16, 8), std::string("\0\0\x02\x80\0\0\x01\x90", 8));
   EXPECT_TRUE(read_text_file(files.pdf).starts_with("%PDF-"));
-  EXPECT_NE(read_text_file(files.script).find("# gnuplot -c plot.gp png plot.png"),
-            std::string::npos);
+  EXPECT_TRUE(has(read_text_file(files.script), "# gnuplot -c plot.gp png plot.png"));
   const auto left = std::filesystem::directory_iterator(folder.path());
   EXPECT_EQ(std::distance(begin(left), end(left)), 5) << "and the data";
 }
@@ -64,17 +63,15 @@ TEST(Gnuplot, ItsErrorsComeThrough) {
   const TempFolder folder;
   const std::string message =
       problem_of({"plot", 320, 200, "plot 'missing_file.dat'\n"}, folder.path());
-  EXPECT_NE(message.find("plot.svg: gnuplot failed with status 1 on plot.gp"), std::string::npos)
-      << message;
-  EXPECT_NE(message.find("missing_file.dat"), std::string::npos) << message;
+  EXPECT_TRUE(
+      has(message, {"plot.svg: gnuplot failed with status 1 on plot.gp", "missing_file.dat"}));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "plot.svg"));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "plot.svg.tmp"));
 }
 
 TEST(Gnuplot, AProgramThatLeavesNoFileIsAnError) {
   const TempFolder folder;
-  EXPECT_NE(problem_of({"plot", 320, 200, ""}, folder.path(), "true").find("has drawn nothing"),
-            std::string::npos);
+  EXPECT_TRUE(has(problem_of({"plot", 320, 200, ""}, folder.path(), "true"), "has drawn nothing"));
 }
 
 TEST(Gnuplot, SaysWhatToInstallWhenItIsMissing) {
@@ -85,8 +82,7 @@ TEST(Gnuplot, SaysWhatToInstallWhenItIsMissing) {
 
 TEST(Gnuplot, RejectsNamesThatAreNoFileNames) {
   const TempFolder folder;
-  EXPECT_NE(problem_of({"../plot", 320, 200, ""}, folder.path()).find("figure: name '../plot'"),
-            std::string::npos);
+  EXPECT_TRUE(has(problem_of({"../plot", 320, 200, ""}, folder.path()), "figure: name '../plot'"));
 }
 
 TEST(Gnuplot, StringsStandForThemselves) {
@@ -98,9 +94,8 @@ TEST(Gnuplot, StringsStandForThemselves) {
       {"plot", 320, 200, "unset key\nset title " + gnuplot_string(nasty) + "\nplot x\n"},
       folder.path());
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "broken"));
-  EXPECT_NE(
-      read_text_file(files.svg).find("’’`touch broken`\" \\n $x @y {/Bold b} &lt;&amp;> 10⁻³"),
-      std::string::npos);
+  EXPECT_TRUE(
+      has(read_text_file(files.svg), "’’`touch broken`\" \\n $x @y {/Bold b} &lt;&amp;> 10⁻³"));
 }
 
 TEST(Gnuplot, DataFilesHaveAllDigits) {

@@ -32,22 +32,19 @@ TEST(IntervalPlot, DrawsTheRowsAndBothIntervalsOfEachSet) {
       read_text_file(write_interval_plot(interval_plot_of(2), folder.path()).svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 1 + 2 * 2);
-  for (const char* words : {">pole mass<", ">pole length<", ">set 1<", ">nominal<"}) {
-    EXPECT_NE(svg.find(words), std::string::npos) << words;
-  }
+  EXPECT_TRUE(has(svg, {">pole mass<", ">pole length<", ">set 1<", ">nominal<"}));
   const std::string wide = read_text_file(folder.path() / "intervals_2.dat");
   const std::string narrow = read_text_file(folder.path() / "intervals_3.dat");
-  EXPECT_NE(wide.find("\n0.1 1.73"), std::string::npos) << wide << "the first row is above";
-  EXPECT_NE(wide.find(" 0.4 0\n"), std::string::npos) << wide << "and as long as the interval";
-  EXPECT_NE(narrow.find("\n0.2 1.73"), std::string::npos) << narrow;
-  EXPECT_NE(narrow.find(" 0.2 0\n"), std::string::npos) << narrow;
+  EXPECT_TRUE(has(wide, "\n0.1 1.73")) << "the first row is above";
+  EXPECT_TRUE(has(wide, " 0.4 0\n")) << "and as long as the interval";
+  EXPECT_TRUE(has(narrow, {"\n0.2 1.73", " 0.2 0\n"}));
 }
 
 TEST(IntervalPlot, RowsHaveTips) {
   const TempFolder folder;
   const std::string svg =
       read_text_file(write_interval_plot(interval_plot_of(1), folder.path()).svg);
-  EXPECT_NE(svg.find("<title>pole_mass [kg]\nA: 1 &amp; more</title>"), std::string::npos);
+  EXPECT_TRUE(has(svg, "<title>pole_mass [kg]\nA: 1 &amp; more</title>"));
   EXPECT_EQ(count_of(svg, "<rect class=\"tip\""), 2);
 }
 
@@ -56,10 +53,10 @@ TEST(IntervalPlot, FitsIntoAWidthThatIsGiven) {
   IntervalPlot plot = interval_plot_of(1);
   plot.width = 340.0;
   const std::string svg = read_text_file(write_interval_plot(plot, folder.path()).svg);
-  EXPECT_NE(svg.find("viewBox=\"0 0 340 "), std::string::npos) << svg.substr(0, 400);
+  EXPECT_TRUE(has(svg, "viewBox=\"0 0 340 ")) << svg.substr(0, 400);
   plot.width = 100.0;
   const std::string least = read_text_file(write_interval_plot(plot, folder.path()).svg);
-  EXPECT_EQ(least.find("viewBox=\"0 0 100 "), std::string::npos) << "rows can still be seen";
+  EXPECT_FALSE(has(least, "viewBox=\"0 0 100 ")) << "rows can still be seen";
 }
 
 TEST(IntervalPlot, RejectsWhatCantBeDrawn) {

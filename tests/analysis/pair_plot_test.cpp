@@ -45,10 +45,8 @@ TEST(PairPlot, ShowsTheSamplesOfEverySetInEveryPanel) {
   // Three panels off the diagonal of 200 points of two sets, and two dots of the legend; each of
   // the legend's dots has a white rim of its own.
   EXPECT_EQ(count_of(svg, "<circle cx="), 3 * 2 * 200 + 4);
-  for (const char* words :
-       {">first<", ">second<", ">nominal<", ">truth<", ">p 0 [kg]<", ">p 2 [kg]<"}) {
-    EXPECT_NE(svg.find(words), std::string::npos) << words;
-  }
+  EXPECT_TRUE(
+      has(svg, {">first<", ">second<", ">nominal<", ">truth<", ">p 0 [kg]<", ">p 2 [kg]<"}));
   EXPECT_TRUE(is_png(read_text_file(files.png)));
   EXPECT_EQ(count_of(read_text_file(folder.path() / "pairs_samples_1.dat"), "\n"), 201);
   EXPECT_EQ(count_of(read_text_file(folder.path() / "pairs_density_2.dat"), "\n"), 257);
@@ -83,7 +81,7 @@ TEST(PairPlot, LimitsAxesToThePriorAndLeavesOutMarksBeyond) {
   for (PairPoint& point : plot.points) point.theta.setConstant(7.0);
   const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
   EXPECT_EQ(count_of(svg, "<circle cx="), 2);  // the legend's
-  EXPECT_EQ(svg.find("truth"), std::string::npos);
+  EXPECT_FALSE(has(svg, "truth"));
 }
 
 TEST(PairPlot, ShowsTheSelectedParameters) {
@@ -92,9 +90,8 @@ TEST(PairPlot, ShowsTheSelectedParameters) {
   plot.selection = {17, 3};
   const FigureFiles files = write_pair_plot(plot, folder.path());
   const std::string svg = read_text_file(files.svg);
-  EXPECT_NE(svg.find(">p 17 [kg]<"), std::string::npos);
-  EXPECT_NE(svg.find(">p 3 [kg]<"), std::string::npos);
-  EXPECT_EQ(svg.find(">p 4 [kg]<"), std::string::npos);
+  EXPECT_TRUE(has(svg, {">p 17 [kg]<", ">p 3 [kg]<"}));
+  EXPECT_FALSE(has(svg, ">p 4 [kg]<"));
 }
 
 TEST(PairPlot, FitsFifteenParameters) {
@@ -126,9 +123,9 @@ TEST(PairPlot, KeepsItsScaleWithConstantAndFarSamples) {
   const FigureFiles files = write_pair_plot(plot, folder.path());
   const std::string script = read_text_file(files.script);
   const std::string line = "set arrow from first 0.75, graph 0 to first 0.75, graph 1 nohead front";
-  EXPECT_EQ(marginal_commands(script, 0).find(line), std::string::npos);
-  EXPECT_NE(marginal_commands(script, 1).find(line), std::string::npos);
-  EXPECT_NE(marginal_commands(script, 2).find("set yrange [0:1.05]"), std::string::npos);
+  EXPECT_FALSE(has(marginal_commands(script, 0), line));
+  EXPECT_TRUE(has(marginal_commands(script, 1), line));
+  EXPECT_TRUE(has(marginal_commands(script, 2), "set yrange [0:1.05]"));
   EXPECT_EQ(markup_error(read_text_file(files.svg)), "");
 }
 
@@ -172,8 +169,7 @@ TEST(PairPlot, NamesAreTextAndNothingElse) {
   plot.points[0].name = "'\nset output 'elsewhere'";
   plot.sets[0].name = "\"quoted\"\nset output 'elsewhere'";
   const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
-  EXPECT_NE(svg.find("broken`&lt;b>&amp;{/Bold"), std::string::npos);
-  EXPECT_NE(svg.find("\"quoted\" set output ’elsewhere’"), std::string::npos);
+  EXPECT_TRUE(has(svg, {"broken`&lt;b>&amp;{/Bold", "\"quoted\" set output ’elsewhere’"}));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "broken"));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "elsewhere"));
 }

@@ -43,18 +43,16 @@ TEST(PathPlot, DrawsAPanelPerMethod) {
   EXPECT_EQ(markup_error(svg), "");
   // Shapes, paths, fixed, held out and recorded in each of two panels.
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2 * 5);
-  for (const char* words :
-       {">A<", ">B &lt;&amp;><", ">x [m]<", ">y [m]<", ">target domain, seen<", ">held out<"}) {
-    EXPECT_NE(svg.find(words), std::string::npos) << words;
-  }
+  EXPECT_TRUE(has(
+      svg, {">A<", ">B &lt;&amp;><", ">x [m]<", ">y [m]<", ">target domain, seen<", ">held out<"}));
   EXPECT_TRUE(is_png(read_text_file(files.png)));
 }
 
 TEST(PathPlot, TheTargetDomainIsSeenWhereNothingIsHeldOut) {
   const TempFolder folder;
   const std::string svg = read_text_file(write_path_plot(path_plot_of({"A"}), folder.path()).svg);
-  EXPECT_NE(svg.find(">target domain<"), std::string::npos);
-  EXPECT_EQ(svg.find("held out"), std::string::npos);
+  EXPECT_TRUE(has(svg, ">target domain<"));
+  EXPECT_FALSE(has(svg, "held out"));
 }
 
 TEST(PathPlot, PolygonsEndWhereTheyBeginAndPathsDont) {

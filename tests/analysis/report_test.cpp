@@ -47,8 +47,7 @@ TEST(Report, IsOneWellFormedPage) {
   EXPECT_TRUE(html.starts_with("<!DOCTYPE html>"));
   EXPECT_EQ(count_of(html, "<svg "), 2);
   EXPECT_EQ(count_of(html, "<table>"), 1);
-  EXPECT_NE(html.find("0.263 ± 0.004"), std::string::npos);
-  EXPECT_NE(html.find("prefers-color-scheme: dark"), std::string::npos);
+  EXPECT_TRUE(has(html, {"0.263 ± 0.004", "prefers-color-scheme: dark"}));
 }
 
 TEST(Report, RemarksStandBelowTheTables) {
@@ -71,7 +70,7 @@ TEST(Report, AllowsItsOwnScriptAlone) {
   ASSERT_EQ(shell.exit_status, 0) << shell.output;
   EXPECT_EQ("sha256-" + read_text_file(folder.path() / "hash"), kReportScriptHash);
   const std::string html = to_html(small_report(folder.path()));
-  EXPECT_NE(html.find(std::string("script-src '") + kReportScriptHash + "'"), std::string::npos);
+  EXPECT_TRUE(has(html, std::string("script-src '") + kReportScriptHash + "'"));
   EXPECT_EQ(count_of(html, "'unsafe-inline'"), 1) << "of styles";
 }
 
@@ -88,8 +87,7 @@ TEST(Report, SaysFirstWhatHoldsAndWhatFails) {
   EXPECT_LT(holds, fails);
   EXPECT_LT(fails, html.find("<p>Prose.</p>"));
   report.verdicts.erase(report.verdicts.begin());
-  EXPECT_NE(to_html(report).find("<details open=\"\"><summary>B"), std::string::npos)
-      << "of the only method";
+  EXPECT_TRUE(has(to_html(report), "<details open=\"\"><summary>B")) << "of the only method";
 }
 
 TEST(Report, FoldsSectionsAndTurnsTheirOrder) {
@@ -102,9 +100,8 @@ TEST(Report, FoldsSectionsAndTurnsTheirOrder) {
   EXPECT_EQ(markup_error(html), "");
   EXPECT_LT(html.find("<figure class=\"plot\">"), html.find("<table>"));
   EXPECT_EQ(count_of(html, "<details>"), 1);
-  EXPECT_NE(
-      html.find("<pre tabindex=\"0\"><code>npdr sample &lt;posterior&gt;</code></pre>\n</details>"),
-      std::string::npos);
+  EXPECT_TRUE(has(
+      html, "<pre tabindex=\"0\"><code>npdr sample &lt;posterior&gt;</code></pre>\n</details>"));
 }
 
 TEST(Report, ShowsAnotherDrawingWhereItIsNarrow) {
@@ -136,16 +133,13 @@ TEST(Report, LoadsNothingFromElsewhere) {
 TEST(Report, EscapesEveryText) {
   const TempFolder folder;
   const std::string html = to_html(small_report(folder.path()));
-  EXPECT_NE(html.find("<title>Results of &lt;furuta&gt; &amp; &quot;friends&quot;</title>"),
-            std::string::npos);
-  EXPECT_NE(html.find("<p>First paragraph,\nsecond line.</p>\n<p>Second "
-                      "&lt;script&gt;alert(1)&lt;/script&gt;.</p>"),
-            std::string::npos);
-  EXPECT_NE(html.find("<h2>Fit &amp; floor</h2>"), std::string::npos);
-  EXPECT_NE(html.find("<figcaption>Fit &lt;&amp;&gt;</figcaption>"), std::string::npos);
-  EXPECT_NE(html.find("npdr run study.toml &amp;&amp; echo done"), std::string::npos);
-  EXPECT_NE(html.find("<dt>study</dt><dd>&lt;study&gt;</dd>"), std::string::npos);
-  EXPECT_NE(html.find("aria-label=\"Figure &quot;two&quot;\""), std::string::npos);
+  EXPECT_TRUE(
+      has(html, {"<title>Results of &lt;furuta&gt; &amp; &quot;friends&quot;</title>",
+                 "<p>First paragraph,\nsecond line.</p>\n<p>Second "
+                 "&lt;script&gt;alert(1)&lt;/script&gt;.</p>",
+                 "<h2>Fit &amp; floor</h2>", "<figcaption>Fit &lt;&amp;&gt;</figcaption>",
+                 "npdr run study.toml &amp;&amp; echo done", "<dt>study</dt><dd>&lt;study&gt;</dd>",
+                 "aria-label=\"Figure &quot;two&quot;\""}));
 }
 
 TEST(Report, FiguresDoNotShareIds) {
@@ -160,8 +154,8 @@ TEST(Report, FiguresDoNotShareIds) {
 TEST(Report, LeavesOutWhatIsEmpty) {
   const std::string html = to_html(Report{"Title", ""});
   EXPECT_EQ(markup_error(html), "");
-  EXPECT_EQ(html.find("id=\"commands\""), std::string::npos);
-  EXPECT_EQ(html.find("id=\"provenance\""), std::string::npos);
+  EXPECT_FALSE(has(html, "id=\"commands\""));
+  EXPECT_FALSE(has(html, "id=\"provenance\""));
 }
 
 TEST(Report, SaysWhichFigureIsMissingOrNoSvg) {

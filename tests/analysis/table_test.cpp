@@ -86,11 +86,11 @@ TEST(Table, AsLatexAlignsMeansAtTheirSigns) {
   table.rows.resize(1);
   table.rows[0] = {"[a]", {MeanStd{0.5, 0.1, 10}, Cell(), "b"}};
   const std::string latex = to_latex(table);
-  EXPECT_NE(latex.find("\\begin{tabular}{lr@{}lrl}"), std::string::npos) << latex;
-  EXPECT_NE(latex.find("Metric & \\multicolumn{2}{c}{NPDR (MAF)} & "), std::string::npos);
+  EXPECT_TRUE(
+      has(latex, {"\\begin{tabular}{lr@{}lrl}", "Metric & \\multicolumn{2}{c}{NPDR (MAF)} & "}));
   table.rows[0].symbol = "m_p";
-  EXPECT_NE(to_latex(table).find("    $m_p$ & $0.500$"), std::string::npos);
-  EXPECT_NE(latex.find("    {[}a] & $0.500$ & ${}\\pm 0.100$ &  & b \\\\\n"), std::string::npos);
+  EXPECT_TRUE(has(to_latex(table), "    $m_p$ & $0.500$"));
+  EXPECT_TRUE(has(latex, "    {[}a] & $0.500$ & ${}\\pm 0.100$ &  & b \\\\\n"));
 }
 
 TEST(Table, AsHtmlEscapesItsText) {
@@ -116,7 +116,7 @@ TEST(Table, AsHtmlBreaksLongTextsIntoLines) {
   Table table = table_a2();
   table.rows.front().cells.back() = Cell("FAR above what can be reached");
   const std::string html = to_html(table);
-  EXPECT_NE(html.find("<td class=\"words\">FAR above"), std::string::npos);
+  EXPECT_TRUE(has(html, "<td class=\"words\">FAR above"));
   EXPECT_EQ(count_of(html, "class=\"words\""), 1);
 }
 
@@ -124,8 +124,7 @@ TEST(Table, AsHtmlCanBeFolded) {
   Table table = table_a2();
   table.is_folded = true;
   const std::string html = to_html(table);
-  EXPECT_NE(html.find("<details>\n<summary>Fit to 5 recordings &amp; more</summary>\n<div"),
-            std::string::npos);
+  EXPECT_TRUE(has(html, "<details>\n<summary>Fit to 5 recordings &amp; more</summary>\n<div"));
   EXPECT_EQ(markup_error(html), "");
 }
 
@@ -139,9 +138,8 @@ TEST(Table, WritesCountsFlushRightAndInFull) {
             "|     | simulations |\n|:----|------------:|\n"
             "| one |     1234567 |\n| all |           8 |\n");
   EXPECT_EQ(to_csv(table), ",simulations\none,1234567\nall,8\n");
-  EXPECT_NE(to_latex(table).find("{lr}"), std::string::npos);
-  EXPECT_NE(to_latex(table).find("one & 1234567 "), std::string::npos);
-  EXPECT_NE(to_html(table).find("<td class=\"number\">1234567</td>"), std::string::npos);
+  EXPECT_TRUE(has(to_latex(table), {"{lr}", "one & 1234567 "}));
+  EXPECT_TRUE(has(to_html(table), "<td class=\"number\">1234567</td>"));
 }
 
 TEST(Table, IsWrittenInEveryFormat) {

@@ -54,12 +54,9 @@ TEST(TrajectoryPlot, DrawsAPanelPerChannelAndRollout) {
   EXPECT_EQ(markup_error(svg), "");
   // Four panels: two bands, two medians and the recording in each; every plot is a group.
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4 * 5);
-  for (const char* words :
-       {">rollout_0<", ">rollout_1<", ">angle [rad]<", ">angle dot<", ">[rad/s]<", ">time [s]<",
-        ">target domain<", ">A: median, 90 % of 12 samples<",
-        ">B &lt;&amp;>: median, 90 % of 12 samples<"}) {
-    EXPECT_NE(svg.find(words), std::string::npos) << words;
-  }
+  EXPECT_TRUE(has(svg, {">rollout_0<", ">rollout_1<", ">angle [rad]<", ">angle dot<", ">[rad/s]<",
+                        ">time [s]<", ">target domain<", ">A: median, 90 % of 12 samples<",
+                        ">B &lt;&amp;>: median, 90 % of 12 samples<"}));
   EXPECT_TRUE(is_png(read_text_file(files.png)));
 }
 
@@ -97,10 +94,10 @@ TEST(TrajectoryPlot, ShowsTheFirstSixRolloutsOrTheSelectedOnes) {
   TrajectoryPlot plot{"motion", {}};
   std::string svg = read_text_file(write_trajectory_plot(plot, target, folder.path()).svg);
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 6 * 2);
-  EXPECT_EQ(svg.find(">rollout_6<"), std::string::npos);
+  EXPECT_FALSE(has(svg, ">rollout_6<"));
   plot.rollouts = {6};
   svg = read_text_file(write_trajectory_plot(plot, target, folder.path()).svg);
-  EXPECT_NE(svg.find(">rollout_6<"), std::string::npos);
+  EXPECT_TRUE(has(svg, ">rollout_6<"));
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2);
 }
 
@@ -119,7 +116,7 @@ TEST(TrajectoryPlot, CopesWithConstantSeriesAndWildBands) {
       write_trajectory_plot({"motion", {wild, missing}}, target, folder.path());
   EXPECT_EQ(markup_error(read_text_file(files.svg)), "");
   // The range of the second row reaches no further than its own size beyond the recording.
-  EXPECT_EQ(read_text_file(files.script).find("e+"), std::string::npos);
+  EXPECT_FALSE(has(read_text_file(files.script), "e+"));
 }
 
 TEST(TrajectoryPlot, RejectsWhatItCannotShow) {

@@ -13,8 +13,7 @@ namespace {
 class Commands : public SmallRun {};
 
 TEST_F(Commands, RunPrintsTheTableAndTheReportsPath) {
-  EXPECT_NE(run_output_.find("| RMSE "), std::string::npos) << run_output_;
-  EXPECT_NE(run_output_.find("report: runs/small/report.html"), std::string::npos);
+  EXPECT_TRUE(has(run_output_, {"| RMSE ", "report: runs/small/report.html"}));
   for (const char* name :
        {"tables/fit.md", "tables/fit.csv", "tables/fit.tex", "figures/pair_plot.svg",
         "figures/pair_plot.png", "figures/trajectories.svg", "report.html"}) {
@@ -23,9 +22,9 @@ TEST_F(Commands, RunPrintsTheTableAndTheReportsPath) {
 }
 
 TEST_F(Commands, RunPrintsTheParametersAndTheReportHasTheirIntervals) {
-  EXPECT_NE(run_output_.find("| pole_mass "), std::string::npos) << run_output_;
+  EXPECT_TRUE(has(run_output_, "| pole_mass "));
   const std::string intervals = text_of(file("runs/small/tables/intervals.md"));
-  EXPECT_NE(intervals.find("| pole_mass   | kg   | [0."), std::string::npos) << intervals;
+  EXPECT_TRUE(has(intervals, "| pole_mass   | kg   | [0."));
 }
 
 TEST_F(Commands, TheReportGoesOnWithThePosteriorThatFailsFewestChecks) {
@@ -34,15 +33,14 @@ TEST_F(Commands, TheReportGoesOnWithThePosteriorThatFailsFewestChecks) {
             "--set", "method.\"NPDR (MAF)\".training.max_epochs=2", "--set",
             "method.\"NPDR (MoG)\".training.max_epochs=2000"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("NPDR (MAF): 1 of 1 check FAIL"), std::string::npos) << outcome.out;
-  EXPECT_NE(text_of(file("checked/small/report.html")).find("npdr sample checked/small/npdr-mog"),
-            std::string::npos)
+  EXPECT_TRUE(has(outcome.out, "NPDR (MAF): 1 of 1 check FAIL"));
+  EXPECT_TRUE(has(text_of(file("checked/small/report.html")), "npdr sample checked/small/npdr-mog"))
       << outcome.out;
 }
 
 TEST_F(Commands, StatusShowsEveryArtefactUpToDate) {
   const Outcome status = npdr({"status", "small.toml"});
-  EXPECT_NE(status.out.find("15 artefacts: 15 up to date"), std::string::npos) << status.out;
+  EXPECT_TRUE(has(status.out, "15 artefacts: 15 up to date"));
   const auto json = nlohmann::json::parse(npdr({"status", "small.toml", "--json"}).out);
   EXPECT_EQ(json.size(), 15u);
 }
@@ -61,34 +59,30 @@ TEST_F(Commands, RunSaysWhatAnotherProcessMakes) {
   EXPECT_TRUE(says(warning("propose"),
                    {fmt::format("npdr run: warning: process {} makes target already", getpid()),
                     "does that work once more", "\nsmall: 100 %"}));
-  EXPECT_EQ(warning("propose").find("already, and"), std::string::npos) << "it is made";
+  EXPECT_FALSE(has(warning("propose"), "already, and")) << "it is made";
 }
 
 TEST_F(Commands, ExplainNamesTheKeyThatChanged) {
   const Outcome outcome = npdr(
       {"explain", "small.toml", "--set", "method.training.learning_rate=0.25", "infer NPDR (MAF)"});
-  EXPECT_NE(outcome.out.find("training.learning_rate: 0.25, was 0.001"), std::string::npos)
-      << outcome.out;
+  EXPECT_TRUE(has(outcome.out, "training.learning_rate: 0.25, was 0.001"));
 }
 
 TEST_F(Commands, ValidatePrintsTheResolvedStudyAndItsWork) {
-  EXPECT_EQ(npdr({"validate", "small.toml"}).out.find("{"), std::string::npos);
+  EXPECT_FALSE(has(npdr({"validate", "small.toml"}).out, "{"));
   const Outcome outcome = npdr({"validate", "small.toml", "--resolved"});
-  EXPECT_NE(outcome.out.find("\"clip_norm\": 5.0"), std::string::npos);
-  EXPECT_NE(outcome.out.find("(900 rollouts of 400 steps), 4 posteriors"), std::string::npos)
-      << outcome.out;
+  EXPECT_TRUE(
+      has(outcome.out, {"\"clip_norm\": 5.0", "(900 rollouts of 400 steps), 4 posteriors"}));
   // The folds leave out two and one of three rollouts.
   const Outcome folds = npdr({"validate", "small.toml", "--set", "target.num_rollouts=3", "--set",
                               "evaluate.leave_out=2"});
-  EXPECT_NE(folds.out.find("(2700 rollouts of 400 steps), 12 posteriors"), std::string::npos)
-      << folds.out << folds.err;
+  EXPECT_TRUE(has(folds.out, "(2700 rollouts of 400 steps), 12 posteriors")) << folds.err;
 }
 
 TEST_F(Commands, ATrialReplaysWhatInferenceSees) {
   const Outcome outcome =
       npdr({"validate", "small.toml", "--try", "1", "--set", "target.held_out=1"});
-  EXPECT_NE(outcome.out.find("\n  2 rollouts of 400 states; the last: theta = "), std::string::npos)
-      << outcome.out << outcome.err;
+  EXPECT_TRUE(has(outcome.out, "\n  2 rollouts of 400 states; the last: theta = ")) << outcome.err;
 }
 
 TEST_F(Commands, AnotherFileWithTheSameNameIsWarnedOfTheReportThatItReplaces) {
@@ -104,15 +98,12 @@ TEST_F(Commands, AnotherFileWithTheSameNameIsWarnedOfTheReportThatItReplaces) {
 TEST_F(Commands, OpenSaysWhereResultsAre) {
   const Outcome outcome = npdr({"open", "small.toml"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  for (const char* place :
-       {"report       runs/small/report.html\n", "tables       runs/small/tables\n",
-        "posterior    runs/small/npdr-maf/seed-1/round-2/infer.h5\n"}) {
-    EXPECT_NE(outcome.out.find(place), std::string::npos) << outcome.out;
-  }
-  EXPECT_EQ(outcome.out.find("round-1"), std::string::npos);
-  EXPECT_NE(npdr({"open", "small.toml", "--work", "none"})
-                .out.find("isn't there yet, or is of other settings: npdr run"),
-            std::string::npos);
+  EXPECT_TRUE(
+      has(outcome.out, {"report       runs/small/report.html\n", "tables       runs/small/tables\n",
+                        "posterior    runs/small/npdr-maf/seed-1/round-2/infer.h5\n"}));
+  EXPECT_FALSE(has(outcome.out, "round-1"));
+  EXPECT_TRUE(has(npdr({"open", "small.toml", "--work", "none"}).out,
+                  "isn't there yet, or is of other settings: npdr run"));
 }
 
 TEST_F(Commands, AFileCantBeTheWorkFolder) {
@@ -131,8 +122,7 @@ TEST_F(Commands, ExplainNamesAFileThatWasRemoved) {
   std::filesystem::rename(path, aside);
   const Outcome outcome = npdr({"explain", "small.toml", "evaluate NPDR (MAF)"});
   std::filesystem::rename(aside, path);
-  EXPECT_NE(outcome.out.find("its file was removed: "), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find(path.filename().string()), std::string::npos) << outcome.out;
+  EXPECT_TRUE(has(outcome.out, {"its file was removed: ", path.filename().string()}));
 }
 
 // A temporary of a process that lives is work that goes on: here that of this test.
@@ -146,8 +136,7 @@ TEST_F(Commands, StatusShowsWhatAnotherProcessMakes) {
     status = npdr({"status", "small.toml"}).out;
   }
   std::filesystem::rename(file("aside.h5"), path);
-  EXPECT_NE(status.find("1 running, 14 up to date"), std::string::npos) << status;
-  EXPECT_NE(status.find("process " + std::to_string(getpid())), std::string::npos) << status;
+  EXPECT_TRUE(has(status, {"1 running, 14 up to date", "process " + std::to_string(getpid())}));
 }
 
 TEST_F(Commands, UnknownOnesAreNamed) {
@@ -163,8 +152,7 @@ TEST_F(Commands, SeedsMayBeRanges) {
             npdr({"status", "--seeds", "1", "small.toml"}).out);
   const Outcome outcome = npdr({"status", "--seeds", "1-x", "small.toml"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("'1-x' is no list of numbers and ranges"), std::string::npos)
-      << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "'1-x' is no list of numbers and ranges"));
 }
 
 TEST_F(Commands, DeletedTablesAreMadeAgain) {
@@ -181,10 +169,8 @@ TEST_F(Commands, AReportWithoutTheRoundsRemovesTheirTable) {
   };
   ASSERT_EQ(run_with("all"), 0);
   const std::string densities = text_of(file("runs/rounds/tables/densities.md"));
-  for (const char* words :
-       {" prior |", "| round 2 |", "| NPDR (MAF), truth ", "| NPDR (MoG), truth "}) {
-    EXPECT_NE(densities.find(words), std::string::npos) << words << "\n" << densities;
-  }
+  EXPECT_TRUE(
+      has(densities, {" prior |", "| round 2 |", "| NPDR (MAF), truth ", "| NPDR (MoG), truth "}));
   EXPECT_TRUE(std::filesystem::exists(file("runs/rounds/tables/rounds.md")));
   ASSERT_EQ(run_with("last"), 0);
   EXPECT_FALSE(std::filesystem::exists(file("runs/rounds/tables/rounds.md")));
@@ -203,32 +189,27 @@ TEST_F(Commands, ADamagedArtefactDoesNotHideTheOthers) {
   EXPECT_TRUE(
       says(unseen.err, {"npdr run: evaluate NPDR (MAF), seed 1, round 2: damaged, remove"}));
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("damaged, remove it: "), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("up to date"), std::string::npos) << outcome.out;
+  EXPECT_TRUE(has(outcome.out, {"damaged, remove it: ", "up to date"}));
 }
 
 TEST_F(Commands, InspectShowsKindInputsAndContent) {
   const Outcome outcome =
       npdr({"inspect", "--digest", "runs/small/npdr-maf/seed-1/round-1/simulate.h5"});
-  for (const char* part :
-       {"simulation (schema", "proposal", "trajectories (150, 2, 400, 2)", "content  "}) {
-    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;
-  }
+  EXPECT_TRUE(has(outcome.out, {"simulation (schema", "proposal", "trajectories (150, 2, 400, 2)",
+                                "content  "}));
 }
 
 TEST_F(Commands, InspectShowsTheAttributesOfAnArtefactsOwn) {
   const Outcome posterior = npdr({"inspect", "runs/small/npdr-maf/seed-1/round-1/infer.h5"});
-  for (const char* part : {"    @embedding = {\"kind\":\"linear\",", "    @num_failed = 0\n",
-                           "    @num_simulations = 150\n",
-                           R"(    @prior = [{"name":"pole_mass","unit":"kg","uniform":[0.3,1.7]},)"
-                           R"({"name":"pole_length","unit":"m","uniform":[0.3,1.7]}])"}) {
-    EXPECT_NE(posterior.out.find(part), std::string::npos) << part << "\n" << posterior.out;
-  }
-  EXPECT_EQ(posterior.out.find("@key_document"), std::string::npos) << posterior.out;
+  EXPECT_TRUE(
+      has(posterior.out, {"    @embedding = {\"kind\":\"linear\",", "    @num_failed = 0\n",
+                          "    @num_simulations = 150\n",
+                          R"(    @prior = [{"name":"pole_mass","unit":"kg","uniform":[0.3,1.7]},)"
+                          R"({"name":"pole_length","unit":"m","uniform":[0.3,1.7]}])"}));
+  EXPECT_FALSE(has(posterior.out, "@key_document"));
   const Outcome simulation = npdr({"inspect", "runs/small/npdr-maf/seed-1/round-1/simulate.h5"});
-  EXPECT_NE(simulation.out.find("    @num_failed = 0\n"), std::string::npos) << simulation.out;
-  EXPECT_NE(simulation.out.find("@DIMENSION_LABELS = row, rollout, time, channel"),
-            std::string::npos);
+  EXPECT_TRUE(has(simulation.out,
+                  {"    @num_failed = 0\n", "@DIMENSION_LABELS = row, rollout, time, channel"}));
 }
 
 TEST_F(Commands, ShardsKnowTheVersionOfTheirSchema) {
@@ -268,8 +249,8 @@ TEST_F(Commands, FiguresShowTheFirstSixMethodsOfMore) {
   const Outcome outcome = npdr({"run", "seven.toml", "--set", "study.name=seven"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string html = text_of(file("runs/seven/report.html"));
-  EXPECT_NE(html.find("The first 6 of 7 methods."), std::string::npos);
-  EXPECT_NE(outcome.out.find("M7"), std::string::npos) << "the tables show all";
+  EXPECT_TRUE(has(html, "The first 6 of 7 methods."));
+  EXPECT_TRUE(has(outcome.out, "M7")) << "the tables show all";
 }
 
 TEST_F(Commands, StagesRunOneByOneGiveTheSameBitsAsARun) {

@@ -35,16 +35,15 @@ class Diagnose : public StudyRun {
 
 // 20 epochs end no training: with --strict the exit status says so.
 TEST_F(Diagnose, ARunEndsWithVerdictsAndWhatToDo) {
-  for (const char* words :
-       {"\nNPE: ", " of 11 checks FAIL: ", "\nNRE: ",
-        "\n  Training: it ended at training.max_epochs = 20 (seed 1)",
-        "\n  Contraction: 30 samples are too few; raise evaluate.num_samples to 100 or more"}) {
-    EXPECT_NE(run_output_.find(words), std::string::npos) << words << "\n" << run_output_;
-  }
+  EXPECT_TRUE(
+      has(run_output_,
+          {"\nNPE: ", " of 11 checks FAIL: ", "\nNRE: ",
+           "\n  Training: it ended at training.max_epochs = 20 (seed 1)",
+           "\n  Contraction: 30 samples are too few; raise evaluate.num_samples to 100 or more"}));
   const Outcome again = npdr({"run", "checked.toml"});
   EXPECT_EQ(again.status, 0);
   EXPECT_EQ(again.out, run_output_);
-  EXPECT_NE(again.err.find("checked: nothing to do, all is up to date"), std::string::npos);
+  EXPECT_TRUE(has(again.err, "checked: nothing to do, all is up to date"));
   EXPECT_EQ(npdr({"run", "checked.toml", "--strict"}).status, 4);
   const std::vector<std::string> unchecked = {
       "run",   "checked.toml",        "--strict", "--set", "diagnose.checks=[]",
@@ -73,14 +72,12 @@ TEST_F(Diagnose, SamplesOfWhatFailedCarryAWarning) {
 
 TEST_F(Diagnose, TheReportHasATableAndFigures) {
   const std::string table = text_of(file("runs/checked/tables/diagnostics.md"));
-  for (const char* words :
-       {"| Check ", "| NPE ", "| NRE ", "| SBC ranks, round 1 ", "| TARP coverage, round 1 ",
-        "| Local C2ST at x_o, round 1 ", "| Posterior predictive ", "| x_o among simulations ",
-        "| Training ", "with a probability of at most 0.01"}) {
-    EXPECT_NE(table.find(words), std::string::npos) << words << "\n" << table;
-  }
+  EXPECT_TRUE(has(
+      table, {"| Check ", "| NPE ", "| NRE ", "| SBC ranks, round 1 ", "| TARP coverage, round 1 ",
+              "| Local C2ST at x_o, round 1 ", "| Posterior predictive ",
+              "| x_o among simulations ", "| Training ", "with a probability of at most 0.01"}));
   const std::string report = text_of(file("runs/checked/report.html"));
-  EXPECT_NE(report.find("Can the posteriors be trusted?"), std::string::npos);
+  EXPECT_TRUE(has(report, "Can the posteriors be trusted?"));
   for (const char* name : {"sbc_ranks.svg", "coverage.svg", "sbc_ranks.png", "coverage.png"}) {
     EXPECT_TRUE(std::filesystem::exists(file("runs/checked/figures") / name)) << name;
   }
@@ -95,16 +92,16 @@ int status_of(const std::filesystem::path& folder, const std::string& command) {
 // skipped within a suite.
 class Rendered : public Diagnose {
  protected:
-  static bool has(const std::string& program) {
+  static bool is_installed(const std::string& program) {
     return std::system(("command -v " + program + " > /dev/null").c_str()) == 0;
   }
   static void SetUpTestSuite() {
-    if (has("pdflatex") || has("chromium")) Diagnose::SetUpTestSuite();
+    if (is_installed("pdflatex") || is_installed("chromium")) Diagnose::SetUpTestSuite();
   }
 };
 
 TEST_F(Rendered, LatexCompilesTheTables) {
-  if (!has("pdflatex")) GTEST_SKIP() << "no pdflatex";
+  if (!is_installed("pdflatex")) GTEST_SKIP() << "no pdflatex";
   std::ofstream all(file("all.tex"));
   all << "\\documentclass{article}\n\\usepackage{booktabs,graphicx}\n\\begin{document}\n";
   for (const std::string& table : files_ending(file("runs/checked/tables"), ".tex")) {
@@ -127,19 +124,19 @@ std::string dom_of(const std::filesystem::path& page, const std::string& options
                     options + " 'file://" + page.string() + "' > dom.html 2> messages.txt"),
       0);
   const std::string messages = text_of(folder / "messages.txt");
-  EXPECT_EQ(messages.find("CONSOLE"), std::string::npos) << messages;
+  EXPECT_FALSE(has(messages, "CONSOLE"));
   return text_of(folder / "dom.html");
 }
 
 TEST_F(Rendered, ABrowserRunsTheReportsScript) {
-  if (!has("chromium")) GTEST_SKIP() << "no chromium";
+  if (!is_installed("chromium")) GTEST_SKIP() << "no chromium";
   const std::string dom = dom_of(file("runs/checked/report.html"));
-  EXPECT_NE(dom.find("<button type=\"button\" title=\"Sort\">Check</button>"), std::string::npos);
-  EXPECT_NE(dom.find("<div class=\"tools\">"), std::string::npos);
+  EXPECT_TRUE(
+      has(dom, {"<button type=\"button\" title=\"Sort\">Check</button>", "<div class=\"tools\">"}));
 }
 
 TEST_F(Rendered, AllOfTheReportCanBeReadAndReachedByKeys) {
-  if (!has("chromium")) GTEST_SKIP() << "no chromium";
+  if (!is_installed("chromium")) GTEST_SKIP() << "no chromium";
   std::string page = text_of(file("runs/checked/report.html"));
   // The page's policy would let no other script run.
   const std::size_t policy = page.find("<meta http-equiv=\"Content-Security-Policy\"");
@@ -155,7 +152,7 @@ TEST_F(Rendered, AllOfTheReportCanBeReadAndReachedByKeys) {
           dom_of(file("page.html"), std::string("--blink-settings=preferredColorScheme=") + number +
                                         " --window-size=" + width + ",900");
       const std::string expected = std::string("<pre id=\"findings\">theme: ") + theme + "</pre>";
-      EXPECT_NE(dom.find(expected), std::string::npos)
+      EXPECT_TRUE(has(dom, expected))
           << width << " px\n"
           << dom.substr(std::min(dom.size(), dom.find("<pre id=\"findings\">")));
     }
@@ -166,14 +163,12 @@ TEST_F(Diagnose, NothingIsMadeTwiceAndStatusShowsVerdicts) {
   // Target, baseline, report; (2 x 3 + 3) of training, 2 evaluations, 2 of calibration, 2
   // diagnoses, less what the methods share: the first proposal and simulation.
   const Outcome status = npdr({"status", "checked.toml"});
-  EXPECT_NE(status.out.find("16 artefacts: 16 up to date"), std::string::npos) << status.out;
-  EXPECT_NE(status.out.find("\nNPE: "), std::string::npos) << status.out;
-  EXPECT_NE(status.out.find("\nreport: runs/checked/report.html\n"), std::string::npos);
+  EXPECT_TRUE(has(status.out, {"16 artefacts: 16 up to date",
+                               "\nNPE: ", "\nreport: runs/checked/report.html\n"}));
   const Outcome changed = npdr({"status", "checked.toml", "--set", "diagnose.alpha=0.05"});
-  EXPECT_EQ(changed.out.find("\nNPE: "), std::string::npos) << "verdicts of another report";
-  EXPECT_NE(npdr({"run", "checked.toml", "--dry-run", "--set", "diagnose.alpha=0.05"})
-                .out.find("# report"),
-            std::string::npos);
+  EXPECT_FALSE(has(changed.out, "\nNPE: ")) << "verdicts of another report";
+  EXPECT_TRUE(has(npdr({"run", "checked.toml", "--dry-run", "--set", "diagnose.alpha=0.05"}).out,
+                  "# report"));
 }
 
 TEST_F(Diagnose, SameBitsForAnyThreadCountAndShardSize) {
@@ -191,7 +186,7 @@ TEST_F(Diagnose, CalibrationCanBeVerified) {
     const Outcome outcome =
         npdr({"verify", "runs/checked/npe/seed-1/calibration/" + std::string(name)});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_NE(outcome.out.find("10 of 60 rows recomputed, 0 differ"), std::string::npos);
+    EXPECT_TRUE(has(outcome.out, "10 of 60 rows recomputed, 0 differ"));
   }
 }
 
@@ -216,15 +211,13 @@ TEST_F(Diagnose, CompareSaysHowFarApartSamplesAre) {
   EXPECT_EQ(json["parameters"][0]["name"], "pole_mass");
   const Outcome other = npdr({"compare", "one.csv", "runs/checked/npe/seed-1/round-1/propose.h5"});
   ASSERT_EQ(other.status, 0) << other.err;
-  EXPECT_NE(other.out.find("150 rows of each, picked at random"), std::string::npos) << other.out;
-  EXPECT_NE(other.out.find("pole_length [m]"), std::string::npos) << other.out;
-  EXPECT_EQ(other.out.find("warning"), std::string::npos) << other.out;
+  EXPECT_TRUE(has(other.out, {"150 rows of each, picked at random", "pole_length [m]"}));
+  EXPECT_FALSE(has(other.out, "warning"));
   const std::string text = text_of(file("two.csv"));
   std::ofstream(file("twice.csv")) << text << text.substr(text.find('\n') + 1);
   const Outcome repeats = npdr({"compare", "twice.csv", "one.csv", "-n", "1000"});
-  EXPECT_EQ(repeats.out.find("of the second are copies"), std::string::npos) << repeats.out;
-  EXPECT_NE(repeats.out.find("rows picked of the first are copies of others"), std::string::npos)
-      << repeats.out;
+  EXPECT_FALSE(has(repeats.out, "of the second are copies"));
+  EXPECT_TRUE(has(repeats.out, "rows picked of the first are copies of others"));
 }
 
 TEST_F(Diagnose, CompareRejectsWhatCantBeCompared) {
@@ -240,12 +233,11 @@ TEST_F(Diagnose, CompareRejectsWhatCantBeCompared) {
   EXPECT_TRUE(says(error({"few.csv", evaluation}),
                    {"npdr compare: few.csv: 2 rows", "must be at least 10"}));
   std::ofstream(file("nan.csv")) << "pole_mass [kg],pole_length [m]\n1,nan\n";
-  EXPECT_NE(error({evaluation, "nan.csv"}).find("nan.csv:2: column 2 'pole_length' = 'nan'"),
-            std::string::npos);
+  EXPECT_TRUE(has(error({evaluation, "nan.csv"}), "nan.csv:2: column 2 'pole_length' = 'nan'"));
   std::ofstream(file("other.csv")) << "mass [kg],pole_length [m]\n1,1\n";
-  EXPECT_NE(error({evaluation, "other.csv"}).find("has no column 'pole_mass'"), std::string::npos);
-  EXPECT_NE(error({evaluation, evaluation, "--dataset", "bands"}).find("bands"), std::string::npos);
-  EXPECT_NE(error({evaluation, "missing.h5"}).find("missing.h5"), std::string::npos);
+  EXPECT_TRUE(has(error({evaluation, "other.csv"}), "has no column 'pole_mass'"));
+  EXPECT_TRUE(has(error({evaluation, evaluation, "--dataset", "bands"}), "bands"));
+  EXPECT_TRUE(has(error({evaluation, "missing.h5"}), "missing.h5"));
 }
 
 }  // namespace

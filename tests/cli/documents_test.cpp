@@ -264,8 +264,7 @@ INSTANTIATE_TEST_SUITE_P(, Documents, ::testing::ValuesIn(documents()), [](const
 TEST(DocumentedLibraries, TheExampleIsTheOneThatIsBuilt) {
   const std::string page = text_of(kRoot / "docs/libraries.md");
   for (const char* name : {"pendulum.cpp", "CMakeLists.txt"}) {
-    EXPECT_NE(page.find("\n" + text_of(kRoot / "tests/libraries/standalone" / name) + "```"),
-              std::string::npos)
+    EXPECT_TRUE(has(page, "\n" + text_of(kRoot / "tests/libraries/standalone" / name) + "```"))
         << name;
   }
 }

@@ -18,15 +18,14 @@ TEST_F(ExternalDataset, ADatasetNeedsNoSimulator) {
   EXPECT_TRUE(
       says(imported.out, {"wrote dataset.h5: 1000 rows", "theta a, b", "x total, difference",
                           "\nnext: npdr new NAME --dataset dataset.h5; npdr run"}));
-  EXPECT_NE(npdr({"validate", "dataset.toml"})
-                .out.find("1 evaluation of 1000 samples, none of them simulated"),
-            std::string::npos);
-  EXPECT_NE(npdr({"inspect", "dataset.h5"}).out.find("a dataset of 1000 simulations of 2 features"),
-            std::string::npos);
+  EXPECT_TRUE(has(npdr({"validate", "dataset.toml"}).out,
+                  "1 evaluation of 1000 samples, none of them simulated"));
+  EXPECT_TRUE(
+      has(npdr({"inspect", "dataset.h5"}).out, "a dataset of 1000 simulations of 2 features"));
   run_well({"dataset.toml"});
   expect_exact_posterior("external-dataset");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "runs/external-dataset/tables/fit.md"));
-  EXPECT_EQ(table("external-dataset", "parameters").find("isn't distributed"), std::string::npos);
+  EXPECT_FALSE(has(table("external-dataset", "parameters"), "isn't distributed"));
 }
 
 // Parameters that a study describes come in its order, which isn't the prior's.
@@ -48,15 +47,14 @@ TEST_F(ExternalDataset, ADatasetMayDescribeItsParametersInAnyOrder) {
 TEST_F(ExternalDataset, ADatasetsUnitsAreThoseOfTheStudy) {
   import_dataset();
   change_dataset("sed -i '1s/.*/a [kg],b [mm]/' theta.csv");
-  EXPECT_NE(npdr({"list", "simulators", "dataset.toml"}).out.find("kg"), std::string::npos);
+  EXPECT_TRUE(has(npdr({"list", "simulators", "dataset.toml"}).out, "kg"));
   run_well({"dataset.toml", "--until", "infer"});
   const Outcome samples = npdr({"sample", "dataset.toml", "-n", "2"});
   EXPECT_TRUE(samples.out.starts_with("a [kg],b [mm]\n")) << samples.out << samples.err;
   const Outcome other = npdr({"validate", "dataset.toml", "--set",
                               "simulator.parameter=[{name='b', unit='m'}, {name='a'}]"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_NE(other.err.find("unit = 'm', must be 'mm', as in the dataset"), std::string::npos)
-      << other.err;
+  EXPECT_TRUE(has(other.err, "unit = 'm', must be 'mm', as in the dataset"));
 }
 
 TEST_F(ExternalDataset, UnitsThatAStudyCantHaveAreRefused) {
@@ -64,8 +62,7 @@ TEST_F(ExternalDataset, UnitsThatAStudyCantHaveAreRefused) {
   change_dataset("sed -i \"1s/.*/a [$(printf 'k%.0s' $(seq 200))],b/\" theta.csv");
   const Outcome outcome = npdr({"validate", "dataset.toml"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("with 'a' in 'kkk"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("must be with units that are"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(has(outcome.err, {"with 'a' in 'kkk", "must be with units that are"}));
 }
 
 // Where it was cut on purpose, the rest is left out.
@@ -73,35 +70,31 @@ TEST_F(ExternalDataset, RowsOutsideOfThePriorAreNamed) {
   import_dataset();
   const Outcome narrow = npdr({"run", "dataset.toml", "--set", "prior.a={uniform=[8.0, 9.0]}"});
   EXPECT_EQ(narrow.status, 3) << narrow.err;
-  EXPECT_NE(narrow.err.find("of the dataset, 'a' = "), std::string::npos) << narrow.err;
-  EXPECT_NE(narrow.err.find("outside of the prior, [8, 9]"), std::string::npos) << narrow.err;
-  EXPECT_NE(narrow.err.find("left out under a higher limits.max_failed_fraction"),
-            std::string::npos)
-      << narrow.err;
+  EXPECT_TRUE(has(narrow.err, {"of the dataset, 'a' = ", "outside of the prior, [8, 9]",
+                               "left out under a higher limits.max_failed_fraction"}));
 }
 
 TEST_F(ExternalDataset, ADatasetOfAnotherPriorIsNoticed) {
   import_dataset();
   run_well({"dataset.toml", "--set", "prior.a.normal=[0.0, 2.0]"});
   const std::string text = table("external-dataset", "parameters");
-  EXPECT_NE(text.find("a of the dataset isn't distributed as the prior says"), std::string::npos);
-  EXPECT_EQ(text.find("b of the dataset"), std::string::npos);
+  EXPECT_TRUE(has(text, "a of the dataset isn't distributed as the prior says"));
+  EXPECT_FALSE(has(text, "b of the dataset"));
   const Outcome strict =
       npdr({"run", "dataset.toml", "--set", "prior.a.normal=[0.0, 2.0]", "--strict"});
   EXPECT_EQ(strict.status, 4) << strict.out;
-  EXPECT_NE(strict.out.find("Dataset"), std::string::npos) << strict.out;
+  EXPECT_TRUE(has(strict.out, "Dataset"));
 }
 
 TEST_F(ExternalDataset, CorrelatedParametersOfADatasetAreNoticed) {
   import_dataset();
   change_theta("print $1 \",\" 0.6 * $1 + 0.8 * $2");
   run_well({"dataset.toml"});
-  EXPECT_NE(
-      table("external-dataset", "parameters").find("a and b of the dataset are correlated (0."),
-      std::string::npos);
+  EXPECT_TRUE(
+      has(table("external-dataset", "parameters"), "a and b of the dataset are correlated (0."));
   const Outcome strict = npdr({"run", "dataset.toml", "--strict"});
   EXPECT_EQ(strict.status, 4);
-  EXPECT_NE(strict.out.find("Dataset: a and b"), std::string::npos) << strict.out;
+  EXPECT_TRUE(has(strict.out, "Dataset: a and b"));
 }
 
 TEST_F(ExternalDataset, OneParameterCorrelatesWithNothing) {
@@ -109,8 +102,8 @@ TEST_F(ExternalDataset, OneParameterCorrelatesWithNothing) {
   change_dataset("sed -i '/^b = /d; /^\\[\\[reference/,$d' dataset.toml");
   run_well({"dataset.toml"});
   const std::string text = table("external-dataset", "parameters");
-  EXPECT_NE(text.find("mean and standard deviation"), std::string::npos) << text;
-  EXPECT_EQ(text.find("the dataset"), std::string::npos) << text;
+  EXPECT_TRUE(has(text, "mean and standard deviation"));
+  EXPECT_FALSE(has(text, "the dataset"));
 }
 
 // A grid of 11 values: distributed as the prior but for half of a step.
@@ -122,17 +115,16 @@ TEST_F(ExternalDataset, ADatasetThatLiesAtThePriorsEndIsNoticed) {
     return table("external-dataset", "parameters");
   };
   const std::string at_ends = faults_with("[0.0, 10.0]");
-  EXPECT_NE(at_ends.find("0.091 of a in the dataset are 0, an end of its prior, [0, 10], where a "
-                         "posterior's density is cut: values on a grid stand for those around "
-                         "them, which prior.a = { uniform = [-0.5, 10.5] } holds"),
-            std::string::npos)
-      << at_ends;
-  EXPECT_EQ(at_ends.find("isn't distributed"), std::string::npos) << at_ends;
+  EXPECT_TRUE(has(at_ends,
+                  "0.091 of a in the dataset are 0, an end of its prior, [0, 10], where a "
+                  "posterior's density is cut: values on a grid stand for those around "
+                  "them, which prior.a = { uniform = [-0.5, 10.5] } holds"));
+  EXPECT_FALSE(has(at_ends, "isn't distributed"));
   const Outcome strict =
       npdr({"run", "dataset.toml", "--set", "prior.a={uniform=[0.0, 10.0]}", "--strict"});
   EXPECT_EQ(strict.status, 4);
-  EXPECT_NE(strict.out.find("Dataset: 0.091 of a"), std::string::npos) << strict.out;
-  EXPECT_EQ(faults_with("[-0.5, 10.5]").find("the dataset"), std::string::npos);
+  EXPECT_TRUE(has(strict.out, "Dataset: 0.091 of a"));
+  EXPECT_FALSE(has(faults_with("[-0.5, 10.5]"), "the dataset"));
 }
 
 TEST_F(ExternalDataset, ADatasetWhoseRowsAreAllTheSameIsTold) {
@@ -140,8 +132,7 @@ TEST_F(ExternalDataset, ADatasetWhoseRowsAreAllTheSameIsTold) {
   change_dataset("awk 'NR > 1 { print \"7,7\"; next } 1' x.csv > same.csv && mv same.csv x.csv");
   const Outcome outcome = npdr({"run", "dataset.toml", "--until", "simulate"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("all rows are the same, whatever their parameters"), std::string::npos)
-      << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "all rows are the same, whatever their parameters"));
 }
 
 TEST_F(ExternalDataset, FailedRowsOfADatasetAreTold) {
@@ -151,13 +142,11 @@ TEST_F(ExternalDataset, FailedRowsOfADatasetAreTold) {
       "mv spoiled.csv x.csv");
   const Outcome outcome = npdr({"run", "dataset.toml"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("2 of 1000 rows failed (2 diverged)"), std::string::npos)
-      << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "2 of 1000 rows failed (2 diverged)"));
   EXPECT_TRUE((outcome.err.find("row 299 of the dataset, nan in 'total'") != std::string::npos) ||
               (outcome.err.find("row 699 of the dataset, nan in 'total'") != std::string::npos))
       << outcome.err;
-  EXPECT_NE(outcome.out.find("Calibration: a dataset can't be asked"), std::string::npos)
-      << outcome.out;
+  EXPECT_TRUE(has(outcome.out, "Calibration: a dataset can't be asked"));
 }
 
 // Those of theta alone may have been simulated anew.
@@ -205,9 +194,8 @@ TEST_F(ExternalDataset, RareNumbersThatStandForFailuresAreTold) {
   const std::string warning = " is -999 in 2 of 1000 rows";
   const Outcome outcome = npdr({"run", "dataset.toml"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find(warning), std::string::npos) << outcome.err;
-  EXPECT_NE(text_of(folder_ / "runs/external-dataset/report.html").find(warning),
-            std::string::npos);
+  EXPECT_TRUE(has(outcome.err, warning));
+  EXPECT_TRUE(has(text_of(folder_ / "runs/external-dataset/report.html"), warning));
 }
 
 TEST_F(ExternalDataset, ADatasetCanOnlyBeAskedWhatItHolds) {
@@ -221,17 +209,13 @@ TEST_F(ExternalDataset, ADatasetCanOnlyBeAskedWhatItHolds) {
   run_well({"dataset.toml", "--set", "simulator.dataset=d.h5", "--set",
             "diagnose={ num_samples = 100 }"});
   const std::string text = table("external-dataset", "diagnostics");
-  EXPECT_NE(text.find("x_o among simulations"), std::string::npos) << text;
-  EXPECT_NE(text.find("Training"), std::string::npos) << text;
-  EXPECT_EQ(text.find("fresh simulations"), std::string::npos) << text;
-  EXPECT_EQ(text.find("SBC"), std::string::npos) << text;
+  EXPECT_TRUE(has(text, {"x_o among simulations", "Training"}));
+  EXPECT_FALSE(has(text, "fresh simulations"));
+  EXPECT_FALSE(has(text, "SBC"));
   const Outcome asked = npdr({"run", "dataset.toml", "--set", "simulator.dataset=d.h5", "--set",
                               "diagnose={ checks = ['sbc', 'ood'] }"});
-  EXPECT_NE(asked.err.find("without sbc: a dataset can't be asked for other simulations"),
-            std::string::npos)
-      << asked.err;
-  EXPECT_NE(asked.out.find("Calibration: a dataset can't be asked"), std::string::npos)
-      << asked.out;
+  EXPECT_TRUE(has(asked.err, "without sbc: a dataset can't be asked for other simulations"));
+  EXPECT_TRUE(has(asked.out, "Calibration: a dataset can't be asked"));
 }
 
 TEST_F(ExternalDataset, SimulationsAreADataset) {

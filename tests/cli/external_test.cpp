@@ -11,13 +11,13 @@ TEST_F(External, AShellScriptIsASimulator) {
   run_well({"shell.toml"});
   expect_exact_posterior("external-shell");
   EXPECT_EQ(artefact("external-shell", "simulate").dataset("x").shape(), (h5::Shape{1000, 2}));
-  EXPECT_NE(table("external-shell", "fit").find("Distance to x_o [prior std]"), std::string::npos);
+  EXPECT_TRUE(has(table("external-shell", "fit"), "Distance to x_o [prior std]"));
   const std::string features = table("external-shell", "features");
-  EXPECT_NE(features.find("| total, NPE (Gaussian)"), std::string::npos) << features;
+  EXPECT_TRUE(has(features, "| total, NPE (Gaussian)"));
   const std::string html = text_of(folder_ / "runs/external-shell/report.html");
-  EXPECT_EQ(html.find("trajectories"), std::string::npos);
-  EXPECT_EQ(html.find("Warning"), std::string::npos);
-  EXPECT_NE(html.find("Posterior samples"), std::string::npos);
+  EXPECT_FALSE(has(html, "trajectories"));
+  EXPECT_FALSE(has(html, "Warning"));
+  EXPECT_TRUE(has(html, "Posterior samples"));
 }
 
 TEST_F(External, APythonScriptIsASimulator) {
@@ -57,7 +57,7 @@ TEST_F(External, APythonFunctionIsASimulator) {
            {"lambda theta, rng: [1j, 2.0]", "must be real ones"},
            {"lambda theta, rng: None", "simulate() returned None, must be numbers"},
            {"lambda theta, rng: {\"total\": [1.0, 2.0]}", "returned 2 numbers with 1 names"}}) {
-    EXPECT_NE(problem_of(function).find(problem), std::string::npos) << problem_of(function);
+    EXPECT_TRUE(has(problem_of(function), problem));
   }
   folder_.file("sim.py",
                "import npdr_command\n"
@@ -68,16 +68,14 @@ TEST_F(External, APythonFunctionIsASimulator) {
                "npdr_command.run(simulate)\n");
   const Outcome outcome = npdr({"validate", "shell.toml", "--try", "9", "--set", command});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("  crashed\n"), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("  x: total = 1, difference = 2\n"), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.err.find(" of 9 rows failed: ValueError: a is positive\n"), std::string::npos)
-      << outcome.err;
+  EXPECT_TRUE(has(outcome.out, {"  crashed\n", "  x: total = 1, difference = 2\n"}));
+  EXPECT_TRUE(has(outcome.err, " of 9 rows failed: ValueError: a is positive\n"));
 }
 
 TEST_F(External, AnObservationThatMayHaveBeenCutIsWarnedOf) {
   const auto warnings = [&] { return npdr({"validate", "shell.toml"}).err; };
   const std::string whole = text_of(folder_ / "x_o.csv");
-  EXPECT_EQ(warnings().find("x_o.csv"), std::string::npos) << warnings();
+  EXPECT_FALSE(has(warnings(), "x_o.csv"));
   folder_.file("x_o.csv", whole.substr(0, whole.size() - 1));
   EXPECT_TRUE(says(warnings(),
                    {"npdr validate: shell.toml:8:15: warning: x_o.csv: its last line has no end"}));
@@ -89,9 +87,8 @@ TEST_F(External, RowsThatAreProbablyWrongAreToldAtOnceAndInTheReport) {
       npdr({"run", "shell.toml", "--set", "simulator.command='sh exact.sh {theta} {x}'"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string warning = "rows of the same parameters are the same, whatever their seeds";
-  EXPECT_NE(outcome.err.find("warning: " + warning), std::string::npos) << outcome.err;
-  EXPECT_NE(text_of(folder_ / "runs/external-shell/report.html").find("Warning: " + warning),
-            std::string::npos);
+  EXPECT_TRUE(has(outcome.err, "warning: " + warning));
+  EXPECT_TRUE(has(text_of(folder_ / "runs/external-shell/report.html"), "Warning: " + warning));
 }
 
 // 25 features; the seventh is 1 whatever the parameters, and 2 in the observation.
@@ -117,8 +114,7 @@ TEST_F(External, OfManyFeaturesTheGreatestSurprisesAreDrawnAndTheTableIsFolded) 
   EXPECT_EQ(figure.find("<title>f"), figure.find(tip));
   EXPECT_EQ(analysis::count_of(figure, "class=\"tip\""), 20);
   const std::string html = text_of(study / "report.html");
-  EXPECT_NE(html.find("id=\"table-features\">\n<details>"), std::string::npos);
-  EXPECT_NE(html.find("the 20 that surprise most of 25"), std::string::npos);
+  EXPECT_TRUE(has(html, {"id=\"table-features\">\n<details>", "the 20 that surprise most of 25"}));
 
   const auto warning = [&](const std::string& awk) {
     const std::string make = "awk -F, -v OFS=, -v seventh=1 -f more.awk x_o.csv | ";
@@ -145,15 +141,13 @@ TEST_F(External, OfASimulatorThatCrashesOnlyTheCulpritsAreLost) {
   // One in twenty: 50 of 1000, with a deviation of 7.
   EXPECT_NEAR(static_cast<double>(num_rows_lost("external-crashing", 4)), 50.0, 30.0);
   expect_exact_posterior("external-crashing");
-  EXPECT_NE(
-      table("external-crashing", "fit").find("simulations failed and were left out of training"),
-      std::string::npos);
+  EXPECT_TRUE(
+      has(table("external-crashing", "fit"), "simulations failed and were left out of training"));
   const Outcome strict = npdr({"run", "crashing.toml", "--set", "evaluate.num_samples=300", "--set",
                                "limits.max_failed_fraction=0.001"});
   EXPECT_EQ(strict.status, 3);
-  EXPECT_NE(strict.err.find(" crashed), limits.max_failed_fraction = 0.001 allows 1; see the logs"),
-            std::string::npos)
-      << strict.err;
+  EXPECT_TRUE(
+      has(strict.err, " crashed), limits.max_failed_fraction = 0.001 allows 1; see the logs"));
 }
 
 TEST_F(External, OfASimulatorThatHangsOnlyTheCulpritsAreLost) {
@@ -188,7 +182,7 @@ TEST_F(External, WhatIsFoundDoesNotDependOnTheShards) {
               "simulator.command=sh still.sh {theta} {x}", "--set", "method.num_simulations=100",
               "--set", "simulate.shard_size=" + size});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_NE(outcome.err.find("measurements are exact"), std::string::npos) << outcome.err;
+    EXPECT_TRUE(has(outcome.err, "measurements are exact"));
     const bool tells_precision = outcome.err.find("single precision") != std::string::npos;
     EXPECT_EQ(tells_precision, size == "100") << "calls of fewer rows can't: " << outcome.err;
   }
@@ -211,14 +205,13 @@ TEST_F(External, NumbersThatStandForFailuresAreTold) {
   const Outcome outcome =
       npdr({"run", "shell.toml", "--set", "simulator.command='sh fails.sh {theta} {x}'"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.err.find("'total' is -999 in 8 of 64 rows"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "'total' is -999 in 8 of 64 rows"));
 }
 
 TEST_F(External, PosteriorsOfACommandCanBeDiagnosed) {
   run_well({"shell.toml", "--set", "diagnose={ num_simulations = 60, num_samples = 100 }"});
   const std::string text = table("external-shell", "diagnostics");
-  EXPECT_NE(text.find("SBC ranks, round 1"), std::string::npos) << text;
-  EXPECT_NE(text.find("Posterior predictive"), std::string::npos) << text;
+  EXPECT_TRUE(has(text, {"SBC ranks, round 1", "Posterior predictive"}));
   // One summary a feature, which is the feature.
   EXPECT_EQ(artefact("external-shell", "../diagnose")
                 .group("predictive")
@@ -231,8 +224,8 @@ TEST_F(External, ATruthIsObservedByTheCommandAndRoundsFollow) {
   run_well({"shell.toml", "--set", "target.truth={ a = 0.5, b = -0.5 }", "--set",
             "simulator.features=[\"total\", \"difference\"]", "--set", "method.num_rounds=2",
             "--set", "method.num_simulations=300"});
-  EXPECT_NE(table("external-shell", "seeds").find("log p(truth)"), std::string::npos);
-  EXPECT_NE(table("external-shell", "fit").find("truth"), std::string::npos);
+  EXPECT_TRUE(has(table("external-shell", "seeds"), "log p(truth)"));
+  EXPECT_TRUE(has(table("external-shell", "fit"), "truth"));
 }
 
 // The rows that a run begins with.
@@ -248,7 +241,7 @@ TEST_F(External, SomeRowsCanBeTried) {
     const std::string row =
         fmt::format("row {}: a = {:.6g}, b = {:.6g}\n  x: total = {:.6g}, difference = {:.6g}\n", i,
                     theta(i, 0), theta(i, 1), x(i, 0), x(i, 1));
-    EXPECT_NE(good.out.find(row), std::string::npos) << row << " isn't in " << good.out;
+    EXPECT_TRUE(has(good.out, row));
   }
 }
 
@@ -259,60 +252,52 @@ TEST_F(External, ATrialSaysWhyRowsFailed) {
   };
   const Outcome bad = tried("10", "echo no licence >&2; exit 5 # {theta} {x}");
   EXPECT_EQ(bad.status, 3);
-  EXPECT_NE(bad.out.find("\n  crashed\n"), std::string::npos) << bad.out;
-  EXPECT_NE(bad.err.find("npdr validate: no row that was tried has a result: exit status 5"),
-            std::string::npos)
-      << bad.err;
-  EXPECT_NE(bad.err.find("no licence"), std::string::npos) << bad.err;
+  EXPECT_TRUE(has(bad.out, "\n  crashed\n"));
+  EXPECT_TRUE(has(
+      bad.err, {"npdr validate: no row that was tried has a result: exit status 5", "no licence"}));
   const Outcome some = tried(
       "2", "{ echo total,difference; echo 1,nan; test $(wc -l <{theta}) = 2 || echo 1,2; } >{x}");
   EXPECT_EQ(some.status, 0) << some.err;
-  EXPECT_NE(some.err.find("warning: 1 of 2 rows failed: row 0 has nan in 'difference'"),
-            std::string::npos)
-      << some.err;
+  EXPECT_TRUE(has(some.err, "warning: 1 of 2 rows failed: row 0 has nan in 'difference'"));
 }
 
 TEST_F(External, OtherCommandsUnderstandSuchStudies) {
   run_well({"shell.toml", "--until", "infer"});
   const std::string round = "runs/external-shell/npe-gaussian/seed-1/round-1/";
-  EXPECT_NE(npdr({"verify", round + "simulate.h5", "--rows", "3", "--run-command"})
-                .out.find("3 of 1000 rows "
-                          "recomputed, 0 differ"),
-            std::string::npos);
+  EXPECT_TRUE(has(npdr({"verify", round + "simulate.h5", "--rows", "3", "--run-command"}).out,
+                  "3 of 1000 rows "
+                  "recomputed, 0 differ"));
   EXPECT_TRUE(says(npdr({"validate", "shell.toml"}).out,
                    {"8 artefacts: ", "1000 simulations in 1 shard, 2 features each",
                     "\nto judge them: 1 evaluation and 1 baseline of 1000 samples, each simulated",
                     "\nto check them: 1 diagnosis, 200 samples of each posterior, those at the "
                     "observation simulated",
                     "\ncalibration isn't checked; a table [diagnose] in the study checks it"}));
-  EXPECT_NE(npdr({"validate", "shell.toml", "--set", "diagnose={ num_simulations = 60 }"})
-                .out.find("\nto check calibration: 60 of the simulations, and 60 posteriors "
-                          "sampled for them\n"),
-            std::string::npos);
-  EXPECT_NE(npdr({"validate", "shell.toml", "--set", "diagnose.checks=[\"training\"]"})
-                .out.find("samples of each posterior\n"),
-            std::string::npos)
+  EXPECT_TRUE(
+      has(npdr({"validate", "shell.toml", "--set", "diagnose={ num_simulations = 60 }"}).out,
+          "\nto check calibration: 60 of the simulations, and 60 posteriors "
+          "sampled for them\n"));
+  EXPECT_TRUE(has(npdr({"validate", "shell.toml", "--set", "diagnose.checks=[\"training\"]"}).out,
+                  "samples of each posterior\n"))
       << "that check asks for no predictions";
-  EXPECT_NE(npdr({"explain", "shell.toml", "--set", "simulator.retries=3", "simulate"})
-                .out.find("simulator.retries: 3, was 1"),
-            std::string::npos);
+  EXPECT_TRUE(has(npdr({"explain", "shell.toml", "--set", "simulator.retries=3", "simulate"}).out,
+                  "simulator.retries: 3, was 1"));
   const std::string longer =
       npdr({"explain", "shell.toml", "--set",
             "simulator.command=\"sh linear_gaussian.sh {theta} {x} " + std::string(99, 'a') + "\"",
             "simulate"})
           .out;
-  EXPECT_NE(longer.find("aaa..., was ..."), std::string::npos) << longer;
-  EXPECT_EQ(longer.find(std::string(61, 'a')), std::string::npos) << longer;
+  EXPECT_TRUE(has(longer, "aaa..., was ..."));
+  EXPECT_FALSE(has(longer, std::string(61, 'a')));
   std::ofstream(folder_ / "linear_gaussian.sh", std::ios::app) << "# edited\n";
-  EXPECT_NE(
-      npdr({"explain", "shell.toml", "simulate"}).out.find("simulator.files.linear_gaussian.sh: "),
-      std::string::npos);
+  EXPECT_TRUE(
+      has(npdr({"explain", "shell.toml", "simulate"}).out, "simulator.files.linear_gaussian.sh: "));
   std::ofstream(folder_ / "other.csv") << "difference,total\n0.5,1\n";
   const std::string posterior = round + "infer.h5";
   const Outcome own = npdr({"sample", posterior, "-n", "3"});
   const Outcome other = npdr({"sample", posterior, "-n", "3", "--x", "other.csv"});
   EXPECT_EQ(other.out, own.out) << "the same x_o with its columns in another order\n" << other.err;
-  EXPECT_EQ(other.err.find("warning"), std::string::npos) << other.err;
+  EXPECT_FALSE(has(other.err, "warning"));
   std::ofstream(folder_ / "far.csv") << "difference,total\n0.5,1000\n";
   EXPECT_TRUE(
       says(npdr({"sample", posterior, "-n", "3", "--x", "far.csv"}).err,
@@ -335,21 +320,18 @@ TEST_F(External, SamplesOfAnotherObservationThatPressOnABoundAreTold) {
     std::ofstream(folder_ / "x.csv") << "difference,total\n" << x << "\n";
     return npdr({"sample", posterior, "--x", "x.csv"}).err;
   };
-  EXPECT_EQ(warnings("0.1,0.2").find("press"), std::string::npos);
-  EXPECT_NE(warnings("1.9,2.1").find(
-                "warning: the samples press against the end of the prior (a at 1), which may "
-                "exclude the truth: widen it in a study of this observation"),
-            std::string::npos);
+  EXPECT_FALSE(has(warnings("0.1,0.2"), "press"));
+  EXPECT_TRUE(has(warnings("1.9,2.1"),
+                  "warning: the samples press against the end of the prior (a at 1), which may "
+                  "exclude the truth: widen it in a study of this observation"));
 }
 
 TEST_F(External, ACommandThatCannotBeRunIsAnError) {
   const Outcome outcome =
       npdr({"run", "shell.toml", "--set", "simulator.command=nosuchprogram {x}"});
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_NE(
-      outcome.err.find("simulator.command = 'nosuchprogram {x}' can't be run: exit status 127"),
-      std::string::npos)
-      << outcome.err;
+  EXPECT_TRUE(
+      has(outcome.err, "simulator.command = 'nosuchprogram {x}' can't be run: exit status 127"));
 }
 
 // Rows of a program that isn't the one of their key.
@@ -359,8 +341,7 @@ TEST_F(External, OfAProgramThatIsEditedWhileItRunsNoRowsAreKept) {
             "simulator.command='echo \"#\" >> linear_gaussian.sh; sh linear_gaussian.sh {theta} "
             "{x}'"});
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_NE(outcome.err.find("linear_gaussian.sh was edited since this began"), std::string::npos)
-      << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "linear_gaussian.sh was edited since this began"));
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "runs")) {
     EXPECT_FALSE(entry.path().string().find("simulate") != std::string::npos &&
                  entry.path().extension() == ".h5")

@@ -68,8 +68,8 @@ class Helpers : public ::testing::Test {
   }
   static void expect_help(const Outcome& helper) {
     EXPECT_EQ(helper.status, 0) << helper.err;
-    EXPECT_NE(helper.out.find("helped with "), std::string::npos) << helper.out;
-    EXPECT_EQ(helper.out.find("helped with 0 rows"), std::string::npos) << helper.out;
+    EXPECT_TRUE(has(helper.out, "helped with "));
+    EXPECT_FALSE(has(helper.out, "helped with 0 rows"));
   }
 
   TempFolder folder_;
@@ -90,7 +90,7 @@ TEST_F(Helpers, GiveTheSameBits) {
   expect_same_bits("two");
   const Outcome late = run(folder_.path(), help("1/1", "two"));
   EXPECT_EQ(late.status, 0);
-  EXPECT_NE(late.out.find("is there already, no rows to help with"), std::string::npos) << late.out;
+  EXPECT_TRUE(has(late.out, "is there already, no rows to help with"));
 }
 
 TEST_F(Helpers, WaitForWhatTheRefinementNeeds) {
@@ -232,7 +232,7 @@ TEST_F(Helpers, SayWhatIsWrong) {
     words.insert(words.begin(), {"npdr-simulate", "small.toml", "--work", "alone"});
     const Outcome outcome = run(folder_.path(), words);
     EXPECT_EQ(outcome.status, 2) << outcome.err;
-    EXPECT_NE(outcome.err.find(message), std::string::npos) << outcome.err;
+    EXPECT_TRUE(has(outcome.err, message));
   };
   for (const char* helper : {"1", "0/2", "3/2", "1/2/3", "x/2", "1/1001"}) {
     expect({"--artefact", key_, "--helper", helper}, "must be I/N with 1 <= I <= N <= 1000");
@@ -244,11 +244,10 @@ TEST_F(Helpers, SayWhatIsWrong) {
     target = fs::path(name).stem();
   }
   expect({"--helper", "1/2", "--artefact", target}, "has no rows to help with");
-  EXPECT_NE(run(folder_.path(), {"npdr-simulate", "--help"}).out.find("--helper"),
-            std::string::npos);
+  EXPECT_TRUE(has(run(folder_.path(), {"npdr-simulate", "--help"}).out, "--helper"));
   run(folder_.path(), {"npdr", "run", "small.toml", "--until", "target", "--work", "new"});
   const Outcome tasks = run(folder_.path(), {"npdr", "tasks", "small.toml", "--work", "new"});
-  EXPECT_NE(tasks.out.find("--helper 2/2"), std::string::npos) << tasks.out;
+  EXPECT_TRUE(has(tasks.out, "--helper 2/2"));
 }
 
 }  // namespace

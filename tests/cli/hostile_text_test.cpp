@@ -174,14 +174,14 @@ TEST(HostileText, IsTextFromTheRecordingToTheJobs) {
       "while read -r line; do eval \"set -- $line\"; printf '%s\\n' \"$@\"; done < tasks.sh");
   const std::string tell = "cd '" + folder.path().string() + "' && bash words.sh > words.txt";
   EXPECT_EQ(std::system(tell.c_str()), 0);
-  EXPECT_NE(text_of(folder / "words.txt").find("\n" + work + "\n"), std::string::npos);
+  EXPECT_TRUE(has(text_of(folder / "words.txt"), "\n" + work + "\n"));
   EXPECT_FALSE(std::filesystem::exists(folder / "pwned"));
 
   npdr({"import", names[1], "--states", "theta [rad],theta_dot [rad/s]", "--actions",
         channel + " [N m]", "-o", "r\x1b\n.h5"});
   const Outcome refused =
       npdr({"new", "broken", "--recording", "r\x1b\n.h5", "--worker", worker}, 2);
-  EXPECT_NE(refused.err.find("--recording = 'r"), std::string::npos) << refused.err;
+  EXPECT_TRUE(has(refused.err, "--recording = 'r"));
   EXPECT_FALSE(std::filesystem::exists(folder / "broken.toml"));
 }
 
@@ -191,7 +191,7 @@ TEST(HostileText, MakesNoCommandsOfLineBreaks) {
   const Outcome outcome = run(folder.path(), {"npdr", "tasks", "s.toml", "--work", "a\ntouch b\n"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_EQ(outcome.out, "");
-  EXPECT_NE(outcome.err.find("has a line break"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "has a line break"));
 }
 
 }  // namespace

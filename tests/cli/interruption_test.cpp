@@ -104,7 +104,7 @@ TEST_F(Interruption, StoppedDiagnosesGoOnWithTheSameBits) {
   EXPECT_EQ(program.wait().status, 75) << "the diagnosis must take longer";
   words[1] = "status";
   const Outcome status = run(folder_.path(), words);
-  EXPECT_NE(status.out.find("checkpoint at simulation"), std::string::npos) << status.out;
+  EXPECT_TRUE(has(status.out, "checkpoint at simulation"));
   words[1] = "run";
   const auto cache = folder_.path() / "stopped/.cache/diagnose";
   const auto checkpoint = cache / *files_ending(cache, ".checkpoint.h5").begin();

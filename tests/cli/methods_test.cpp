@@ -65,9 +65,7 @@ TEST_F(Methods, TheTableOfSeedsSaysHowWellChainsAgree) {
   EXPECT_TRUE(npe_a.ends_with(",,")) << npe_a;
   EXPECT_FALSE(nle.ends_with(",")) << nle;
   const std::string proposals = text_of(folder_.path() / "runs/all/tables/proposals.md");
-  for (const char* row : {"| prior", "| npe_a, 2", "| nle, 2"}) {
-    EXPECT_NE(proposals.find(row), std::string::npos) << proposals;
-  }
+  EXPECT_TRUE(has(proposals, {"| prior", "| npe_a, 2", "| nle, 2"}));
 }
 
 TEST_F(Methods, PosteriorsOfALikelihoodCanBeSampledFromTheCommandLine) {
@@ -82,8 +80,7 @@ TEST_F(Methods, PosteriorsOfALikelihoodCanBeSampledFromTheCommandLine) {
   const Outcome other =
       run(folder_.path(), {"npdr", "sample", posterior, "-n", "5", "--x", "runs/all/target.h5"});
   EXPECT_EQ(other.status, 0) << other.err;
-  EXPECT_NE(other.err.find("warning: " + posterior + " is of round 2"), std::string::npos)
-      << other.err;
+  EXPECT_TRUE(has(other.err, "warning: " + posterior + " is of round 2"));
 }
 
 TEST_F(Methods, SamplesThatRepeatOthersAreCounted) {

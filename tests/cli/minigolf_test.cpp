@@ -60,18 +60,14 @@ TEST_F(MinigolfStudy, MeasuresReferences) {
 
 TEST_F(MinigolfStudy, ReportsWhatItMeasured) {
   const std::string fit = text("tables/fit.md");
-  for (const char* words :
-       {"| RMSE, held out ", "| Final error [m] ", "| P(rests within 5 cm of the hole), held out ",
-        " nominal ", " heavy ", " truth "}) {
-    EXPECT_NE(fit.find(words), std::string::npos) << words << "\n" << fit;
-  }
-  EXPECT_NE(fit.find("of the target's own rollouts 0 of 2, of the held-out ones 0 of 1"),
-            std::string::npos)
-      << fit;
-  EXPECT_NE(text("tables/seeds.md").find("log p(heavy)"), std::string::npos);
-  EXPECT_NE(text("tables/contraction.md").find("| obstacle2_dyaw"), std::string::npos);
-  EXPECT_NE(text("tables/parameters.md").find("modulo 3.142"), std::string::npos);
-  EXPECT_NE(text("figures/paths.svg").find(">held out<"), std::string::npos);
+  EXPECT_TRUE(has(
+      fit, {"| RMSE, held out ", "| Final error [m] ",
+            "| P(rests within 5 cm of the hole), held out ", " nominal ", " heavy ", " truth "}));
+  EXPECT_TRUE(has(fit, "of the target's own rollouts 0 of 2, of the held-out ones 0 of 1"));
+  EXPECT_TRUE(has(text("tables/seeds.md"), "log p(heavy)"));
+  EXPECT_TRUE(has(text("tables/contraction.md"), "| obstacle2_dyaw"));
+  EXPECT_TRUE(has(text("tables/parameters.md"), "modulo 3.142"));
+  EXPECT_TRUE(has(text("figures/paths.svg"), ">held out<"));
 }
 
 TEST_F(MinigolfStudy, GoalsAreForSimulatorsThatHaveOne) {
@@ -79,8 +75,7 @@ TEST_F(MinigolfStudy, GoalsAreForSimulatorsThatHaveOne) {
   const Outcome outcome = run(
       folder_->path(), {"npdr", "validate", "pendulum.toml", "--set", "evaluate.metrics=['goal']"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("the simulator 'pendulum' has no goal"), std::string::npos)
-      << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "the simulator 'pendulum' has no goal"));
 }
 
 }  // namespace

@@ -20,19 +20,17 @@ TEST_F(NewStudies, FitWhatTheyAreFor) {
   ASSERT_EQ(built_in.status, 0) << built_in.err;
   EXPECT_EQ(npdr({"validate", "swing.toml"}).status, 0) << text_of(folder_ / "swing.toml");
   ASSERT_EQ(npdr({"new", "arm", "--simulator", "furuta"}).status, 0);
-  EXPECT_EQ(text_of(folder_ / "arm.toml").find("[0.0, 0.0]"), std::string::npos) << "no range";
+  EXPECT_FALSE(has(text_of(folder_ / "arm.toml"), "[0.0, 0.0]")) << "no range";
   for (const char* option : {"--worker", "--command"}) {
     const Outcome outcome =
         npdr({"new", std::string("by") + option, option, "python3 \"my sim\".py"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_NE(outcome.out.find("EDIT"), std::string::npos) << outcome.out;
+    EXPECT_TRUE(has(outcome.out, "EDIT"));
     const std::string study = std::string("by") + option + ".toml", text = text_of(folder_ / study);
     const Outcome validated = npdr({"validate", study});
     EXPECT_EQ(validated.status, 0) << text;
-    EXPECT_NE(validated.out.find("\nmarked EDIT, as npdr new wrote them: lines 8, 12, "),
-              std::string::npos)
-        << validated.out;
-    EXPECT_NE(text.find("shard_size = 200"), std::string::npos) << text;
+    EXPECT_TRUE(has(validated.out, "\nmarked EDIT, as npdr new wrote them: lines 8, 12, "));
+    EXPECT_TRUE(has(text, "shard_size = 200"));
   }
   EXPECT_EQ(npdr({"new", "both", "--worker", "a", "--library", "b"}).status, 2);
   EXPECT_EQ(npdr({"new", "none", "--recording", "gone.h5"}).status, 2);
@@ -55,26 +53,23 @@ TEST_F(NewStudies, TakeADataset) {
   const Outcome outcome = npdr({"new", "finished", "--dataset", "d.h5"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string text = text_of(folder_ / "finished.toml");
-  for (const char* part : {"dataset = \"d.h5\"", "k = { uniform = [9.9, 30.1] }  # [N/m]",
-                           "m = { uniform = [1.979, 6.144] }", "# g = { uniform = [7.0, 7.0] }",
-                           "rate = { log_uniform = [0.977, 102.3] }", "num_simulations = 101"}) {
-    EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
-  }
+  EXPECT_TRUE(has(text, {"dataset = \"d.h5\"", "k = { uniform = [9.9, 30.1] }  # [N/m]",
+                         "m = { uniform = [1.979, 6.144] }", "# g = { uniform = [7.0, 7.0] }",
+                         "rate = { log_uniform = [0.977, 102.3] }", "num_simulations = 101"}));
   const Outcome simulated = npdr({"run", "finished.toml", "--until", "simulate"});
   EXPECT_EQ(simulated.status, 0) << simulated.err << text;
-  EXPECT_EQ(simulated.err.find("failed"), std::string::npos) << simulated.err;
-  EXPECT_NE(npdr({"new", "both", "--dataset", "d.h5", "--recording", "d.h5"})
-                .err.find("--dataset can't go with --recording"),
-            std::string::npos);
+  EXPECT_FALSE(has(simulated.err, "failed"));
+  EXPECT_TRUE(has(npdr({"new", "both", "--dataset", "d.h5", "--recording", "d.h5"}).err,
+                  "--dataset can't go with --recording"));
 }
 
 TEST_F(NewStudies, TakeAnObservation) {
   folder_.file("x_o.csv", "peak,mean\n50,-50\n");
   ASSERT_EQ(npdr({"new", "seen", "--observation", "x_o.csv", "--command", "sim"}).status, 0);
-  EXPECT_NE(text_of(folder_ / "seen.toml").find("observation = \"x_o.csv\"\n"), std::string::npos);
+  EXPECT_TRUE(has(text_of(folder_ / "seen.toml"), "observation = \"x_o.csv\"\n"));
   const Outcome validated = npdr({"validate", "seen.toml"});
   EXPECT_EQ(validated.status, 0) << validated.err;
-  EXPECT_NE(validated.out.find("2 features each"), std::string::npos) << validated.out;
+  EXPECT_TRUE(has(validated.out, "2 features each"));
   EXPECT_TRUE(says(npdr({"new", "a", "--observation", "x_o.csv", "--worker", "sim"}).err,
                    {"npdr new: --observation goes with --command or --dataset"}));
   folder_.file("x_o.csv", "peak\nhigh\n");
@@ -91,7 +86,7 @@ TEST_F(NewStudies, QuoteNamesThatNeedIt) {
   compile_spring(folder_.path());
   ASSERT_EQ(npdr({"new", "odd", "--library", "spring.so"}).status, 0);
   const std::string study = text_of(folder_ / "odd.toml");
-  EXPECT_NE(study.find("\n\"k (all)\" = { uniform"), std::string::npos) << study;
+  EXPECT_TRUE(has(study, "\n\"k (all)\" = { uniform"));
   const Outcome checked = npdr({"validate", "odd.toml"});
   EXPECT_EQ(checked.status, 0) << checked.err;
 }
@@ -102,17 +97,15 @@ TEST_F(NewStudies, TakeARecording) {
       npdr({"new", "real", "--recording", "recorded.h5", "--simulator", "furuta"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string text = text_of(folder_ / "real.toml");
-  for (const char* part : {"recording = \"recorded.h5\"", "held_out = ", "num_rollouts = 3",
-                           "embedding = { downsample = ", "scale_prior = [0.1, 1.0]"}) {
-    EXPECT_NE(text.find(part), std::string::npos) << part << " isn't in: " << text;
-  }
+  EXPECT_TRUE(has(text, {"recording = \"recorded.h5\"", "held_out = ", "num_rollouts = 3",
+                         "embedding = { downsample = ", "scale_prior = [0.1, 1.0]"}));
   EXPECT_EQ(npdr({"validate", "real.toml"}).status, 0) << text;
   std::string refined = text.substr(text.find("# [[method]]"));
   for (std::size_t at; (at = refined.find("# ")) != std::string::npos;) refined.erase(at, 2);
   folder_.file("refined.toml", text + refined);
   const Outcome checked = npdr({"validate", "refined.toml"});
   EXPECT_EQ(checked.status, 0) << checked.err;
-  EXPECT_NE(refined.find("cross_validate = true"), std::string::npos) << refined;
+  EXPECT_TRUE(has(refined, "cross_validate = true"));
   const Outcome other =
       npdr({"new", "other", "--recording", "recorded.h5", "--simulator", "pendulum"});
   EXPECT_EQ(other.status, 2) << other.out;

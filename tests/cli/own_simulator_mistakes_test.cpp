@@ -15,8 +15,7 @@ TEST_F(OwnSimulators, RecordedActionsThatTheyArentGivenAreAWarning) {
     return npdr({"validate", "mine.toml", "--set", setting}).err;
   };
   EXPECT_EQ(warnings("target.held_out=0"), "");
-  EXPECT_NE(warnings("simulator.actions=[]").find("isn't given the recorded action voltage"),
-            std::string::npos);
+  EXPECT_TRUE(has(warnings("simulator.actions=[]"), "isn't given the recorded action voltage"));
 }
 
 // Once, though everything that asks the worker fails; and told as what the study calls it.
@@ -33,10 +32,8 @@ npdr_worker.serve(lambda theta, first_state, actions, dt, rng: theta["mass"])
       0);
   const Outcome outcome = npdr({"run", "mine.toml", "--set", "target.held_out=0"});
   EXPECT_EQ(outcome.status, 1);
-  for (const char* part : {"KeyError: \"the study has no parameter 'mass'; it has a\"",
-                           "failed (exit status 1), as above:"}) {
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
-  }
+  EXPECT_TRUE(has(outcome.err, {"KeyError: \"the study has no parameter 'mass'; it has a\"",
+                                "failed (exit status 1), as above:"}));
   const std::size_t first = outcome.err.find("Traceback");
   EXPECT_NE(first, std::string::npos) << outcome.err;
   EXPECT_EQ(outcome.err.find("Traceback", first + 1), std::string::npos) << outcome.err;
@@ -59,9 +56,7 @@ npdr_worker.serve(simulate)
   const Outcome outcome =
       npdr({"run", "refine.toml", "--set", "simulator.worker='" + python + " sim.py'"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("simulated twice with the same parameters, channel 'q' differs"),
-            std::string::npos)
-      << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "simulated twice with the same parameters, channel 'q' differs"));
 }
 
 TEST_F(OwnSimulators, RowsInAnotherOrderStopTheStudy) {
@@ -79,8 +74,7 @@ npdr_worker.serve(simulate, batch=True)
   const Outcome outcome = npdr({"run", "worker.toml", "--until", "simulate", "--set",
                                 "simulator.worker='" + python + " sorted.py'"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("rows in another order than those of theta"), std::string::npos)
-      << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "rows in another order than those of theta"));
 }
 
 TEST_F(OwnSimulators, ALibraryThatLoopsIsToldWithARowAfterItsTimeLimit) {
@@ -94,20 +88,15 @@ TEST_F(OwnSimulators, ALibraryThatLoopsIsToldWithARowAfterItsTimeLimit) {
   compile_spring(folder_.path());
   const Outcome outcome = npdr({"run", "library.toml", "--set", "simulator.time_limit=0.5"});
   EXPECT_EQ(outcome.status, 2);
-  for (const char* part : {"spring.so: replay() hasn't returned after 0.5 s for",
-                           "the first of which has mass = 1, stiffness = ",
-                           "raise simulator.time_limit", "the status NPDR_DIVERGED"}) {
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
-  }
+  EXPECT_TRUE(has(outcome.err, {"spring.so: replay() hasn't returned after 0.5 s for",
+                                "the first of which has mass = 1, stiffness = ",
+                                "raise simulator.time_limit", "the status NPDR_DIVERGED"}));
   const Outcome refused = npdr({"validate", "library.toml", "--set", "simulator.retries=2"});
-  EXPECT_NE(refused.err.find("it belongs to simulator.command and simulator.worker"),
-            std::string::npos)
-      << refused.err;
+  EXPECT_TRUE(has(refused.err, "it belongs to simulator.command and simulator.worker"));
   folder_.file("built_in.toml", "[simulator]\nname = \"pendulum\"\ntime_limit = 1.0\n");
   const Outcome built_in = npdr({"validate", "built_in.toml"});
-  EXPECT_NE(built_in.err.find("simulator.time_limit must be left out: it belongs to simulators of"),
-            std::string::npos)
-      << built_in.err;
+  EXPECT_TRUE(
+      has(built_in.err, "simulator.time_limit must be left out: it belongs to simulators of"));
 }
 
 TEST_F(OwnSimulators, AGoalThatALibraryHasNoChannelForIsNamed) {
@@ -117,8 +106,7 @@ TEST_F(OwnSimulators, AGoalThatALibraryHasNoChannelForIsNamed) {
   folder_.file("goal.toml", text + "\n[simulator.goal]\nplace = { qq = 0.0 }\nradius = 0.1\n");
   const Outcome outcome = npdr({"validate", "goal.toml"});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.err.find("unknown state channel 'qq' (did you mean 'q'?)"), std::string::npos)
-      << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "unknown state channel 'qq' (did you mean 'q'?)"));
 }
 
 }  // namespace

@@ -28,13 +28,11 @@ TEST_F(OwnSimulators, ALibraryFindsTheTruth) {
   copy_example("spring");
   compile_spring(folder_.path());
   const Outcome listed = npdr({"list", "simulators", "library.toml"});
-  EXPECT_NE(listed.out.find("stiffness"), std::string::npos) << listed.err;
-  EXPECT_NE(listed.out.find("N s/m"), std::string::npos);
+  EXPECT_TRUE(has(listed.out, "stiffness")) << listed.err;
+  EXPECT_TRUE(has(listed.out, "N s/m"));
   const Outcome outcome = npdr(small("library.toml"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  for (const char* part : {"RMSE", "DTW dist.", "nominal", "truth"}) {
-    EXPECT_NE(outcome.out.find(part), std::string::npos) << outcome.out;
-  }
+  EXPECT_TRUE(has(outcome.out, {"RMSE", "DTW dist.", "nominal", "truth"}));
   EXPECT_TRUE(fs::exists(runs("spring-library") / "figures"));
   // The deviation of the posterior is around 1 N/m: five of them are more than any seed misses.
   const RowMatrix theta = samples("spring-library", 1);
@@ -52,7 +50,7 @@ TEST_F(OwnSimulators, ALibraryFindsTheTruth) {
       npdr({"run", "library.toml", "--dry-run", "--set", "method.num_simulations=400", "--set",
             "method.num_rounds=1", "--set", "method.training.max_epochs=60", "--set",
             "evaluate.num_samples=200"});
-  EXPECT_EQ(again.out.find("missing"), std::string::npos) << again.out;
+  EXPECT_FALSE(has(again.out, "missing"));
 }
 
 TEST_F(OwnSimulators, ALibraryIsVerifiedFromAnyFolder) {
@@ -232,15 +230,14 @@ npdr_worker.serve(simulate)
   };
   const std::string here = python + " sim.py", below = "cd model && " + python + " sim.py";
   const std::string of_here = said(here, "[]"), of_below = said(below, "[]");
-  EXPECT_NE(of_here.find("the worker imports 'constants.py', which the study doesn't name: when "
-                         "edited, nothing is simulated again; add simulator.files = "
-                         "['constants.py']"),
-            std::string::npos)
-      << of_here;
-  EXPECT_EQ(said(here, "['constants.py']").find("the worker imports"), std::string::npos);
+  EXPECT_TRUE(has(of_here,
+                  "the worker imports 'constants.py', which the study doesn't name: when "
+                  "edited, nothing is simulated again; add simulator.files = "
+                  "['constants.py']"));
+  EXPECT_FALSE(has(said(here, "['constants.py']"), "the worker imports"));
   const std::string both = "['model/constants.py', 'model/sim.py']";
-  EXPECT_NE(of_below.find("simulator.files = " + both), std::string::npos) << of_below;
-  EXPECT_EQ(said(below, both).find("the worker imports"), std::string::npos);
+  EXPECT_TRUE(has(of_below, "simulator.files = " + both));
+  EXPECT_FALSE(has(said(below, both), "the worker imports"));
 }
 
 // A command that writes states: x = stiffness + t in each row.
@@ -317,8 +314,7 @@ TEST_F(OwnSimulators, AModelOfMujocoExplainsARecording) {
                              "method.embedding.principal_components=20"});
   const Outcome outcome = npdr(words);
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("floor"), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find("held out"), std::string::npos) << outcome.out;
+  EXPECT_TRUE(has(outcome.out, {"floor", "held out"}));
 }
 
 }  // namespace

@@ -68,29 +68,21 @@ std::map<std::string, std::string> Policies::reference_;
 
 TEST_F(Policies, TheReportHasTablesAndFigures) {
   const std::string table = text_of(file("runs/searched/tables/policy.md"));
-  for (const char* words :
-       {"| Online ", "| Randomized ", "| Point ", "return before", "return, seed means",
-        "success over the grid", "target rollouts", "policy rollouts", "upright within"}) {
-    EXPECT_NE(table.find(words), std::string::npos) << words << "\n" << table;
-  }
-  EXPECT_NE(run_output_.find("success over the grid"), std::string::npos) << run_output_;
+  EXPECT_TRUE(has(
+      table, {"| Online ", "| Randomized ", "| Point ", "return before", "return, seed means",
+              "success over the grid", "target rollouts", "policy rollouts", "upright within"}));
+  EXPECT_TRUE(has(run_output_, "success over the grid"));
   // Rollouts: (3 iterations x 6 policies + 1) x 4 x 2, twice; once with 4 iterations; and so for
   // the nominal parameters, whose rollouts all have their own initial states.
   const std::string csv = text_of(file("runs/searched/tables/policy.csv"));
-  EXPECT_NE(csv.find(",2,120,304"), std::string::npos) << csv;
-  EXPECT_NE(csv.find(",0,0,200"), std::string::npos) << csv;
+  EXPECT_TRUE(has(csv, {",2,120,304", ",0,0,200"}));
   const std::string seeds = text_of(file("runs/searched/tables/policy_seeds.md"));
-  EXPECT_NE(seeds.find("| Point, 2 "), std::string::npos) << seeds;
-  EXPECT_NE(text_of(file("runs/searched/tables/policy_cost.md")).find("policy search"),
-            std::string::npos);
+  EXPECT_TRUE(has(seeds, "| Point, 2 "));
+  EXPECT_TRUE(has(text_of(file("runs/searched/tables/policy_cost.md")), "policy search"));
   const std::string found = text_of(file("runs/searched/tables/policy_parameters.csv"));
-  EXPECT_NE(found.find("energy_gain [m/(s^2 J)]"), std::string::npos) << found;
-  EXPECT_NE(found.find("before any search,"), std::string::npos) << found;
-  EXPECT_NE(found.find("\"Online, 2\","), std::string::npos) << found;
+  EXPECT_TRUE(has(found, {"energy_gain [m/(s^2 J)]", "before any search,", "\"Online, 2\","}));
   const std::string report = text_of(file("runs/searched/report.html"));
-  for (const char* words : {"Policies", "search iteration", "before any search"}) {
-    EXPECT_NE(report.find(words), std::string::npos) << words;
-  }
+  EXPECT_TRUE(has(report, {"Policies", "search iteration", "before any search"}));
   for (const char* name : {"policy_learning", "policy_grid_return", "policy_grid_success"}) {
     for (const char* extension : {".svg", ".png", ".gp"}) {
       EXPECT_TRUE(
@@ -112,8 +104,7 @@ TEST_F(Policies, EveryArtefactHasALink) {
     EXPECT_TRUE(reference_.contains(name)) << name;
   }
   const Outcome status = npdr({"status", "searched.toml"});
-  EXPECT_NE(status.out.find(" up to date;"), std::string::npos) << status.out;
-  EXPECT_NE(status.out.find("policy Online, seed 1, iteration 2"), std::string::npos);
+  EXPECT_TRUE(has(status.out, {" up to date;", "policy Online, seed 1, iteration 2"}));
 }
 
 TEST_F(Policies, SameBitsForAnyThreadCountAndShardSize) {
@@ -160,17 +151,14 @@ TEST_F(Policies, AnEarlyStartSaysWhatIsMissing) {
   const Outcome again =
       run(folder_->path(), {"npdr-policy", "searched.toml", "--work", "early", "--only", "Online"});
   EXPECT_EQ(again.status, 2);
-  EXPECT_NE(again.err.find("policy Online, seed 1, iteration 1 needs 'infer Online, seed 1, "
-                           "iteration 1, round 1', which isn't there; run npdr-infer"),
-            std::string::npos)
-      << again.err;
+  EXPECT_TRUE(has(again.err,
+                  "policy Online, seed 1, iteration 1 needs 'infer Online, seed 1, "
+                  "iteration 1, round 1', which isn't there; run npdr-infer"));
 }
 
 TEST_F(Policies, ValidateSaysHowMuchWorkASearchIs) {
   const Outcome outcome = npdr({"validate", "searched.toml"});
-  EXPECT_NE(outcome.out.find("policy searches: 8 of 1408 rollouts together, and 8 tests"),
-            std::string::npos)
-      << outcome.out;
+  EXPECT_TRUE(has(outcome.out, "policy searches: 8 of 1408 rollouts together, and 8 tests"));
 }
 
 TEST_F(Policies, AStudyWithoutASearchRemovesItsTables) {
@@ -194,7 +182,7 @@ TEST_F(Policies, MethodsThatInferNothingCanStandAlone) {
   std::ofstream(file("alone.toml")) << with_search(study);
   const Outcome outcome = npdr({"run", "alone.toml", "--work", "alone"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("| Randomized "), std::string::npos) << outcome.out;
+  EXPECT_TRUE(has(outcome.out, "| Randomized "));
   EXPECT_FALSE(std::filesystem::exists(file("alone/searched/tables/fit.md")));
 }
 
@@ -241,7 +229,7 @@ TEST_F(Policies, SimulationsOfARefinementCount) {
   ASSERT_NE(at, std::string::npos) << certificate;  // 1000 simulations don't reach the power 1
   const std::size_t before = certificate.rfind(',', at - 1);
   const std::string count = certificate.substr(before, at - before);
-  EXPECT_NE(policies.find(",1" + count + ","), std::string::npos) << policies << certificate;
+  EXPECT_TRUE(has(policies, ",1" + count + ",")) << certificate;
 }
 
 // A search that takes long, of one method and seed; it ends when it is told to.
@@ -311,7 +299,7 @@ TEST_F(LongSearch, StopsAtACheckpointThatTheStatusShows) {
   endless.front() = "npdr";
   endless.insert(endless.begin() + 1, "status");
   const Outcome status = run(folder_->path(), endless);
-  EXPECT_NE(status.out.find("checkpoint at iteration"), std::string::npos) << status.out;
+  EXPECT_TRUE(has(status.out, "checkpoint at iteration"));
 }
 
 }  // namespace

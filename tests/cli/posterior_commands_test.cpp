@@ -19,7 +19,7 @@ TEST_F(PosteriorCommands, SampleAndLogProbUseAPosterior) {
   const Outcome densities = npdr({"log-prob", posterior, "theta.csv"});
   ASSERT_EQ(densities.status, 0) << densities.err;
   EXPECT_EQ(std::count(densities.out.begin(), densities.out.end(), '\n'), 21);
-  EXPECT_EQ(densities.out.find("inf"), std::string::npos);
+  EXPECT_FALSE(has(densities.out, "inf"));
   const std::string rows = samples.out.substr(samples.out.find('\n') + 1);
   std::ofstream(file("plain.csv")) << rows;
   EXPECT_EQ(npdr({"log-prob", posterior, "plain.csv"}).out, densities.out);
@@ -43,15 +43,14 @@ TEST_F(PosteriorCommands, SamplesOfAStudyArePooledOverItsSeeds) {
   EXPECT_EQ(samples.out, one.out) << "of its one seed";
   const Outcome none = npdr({"sample", "small.toml"});
   EXPECT_EQ(none.status, 2);
-  EXPECT_NE(none.err.find("2 methods infer (NPDR (MAF), NPDR (MoG)), must be one: choose it by "
-                          "--method"),
-            std::string::npos)
-      << none.err;
+  EXPECT_TRUE(has(none.err,
+                  "2 methods infer (NPDR (MAF), NPDR (MoG)), must be one: choose it by "
+                  "--method"));
   std::vector<std::string> two = words;
   two.insert(two.end(), {"--set", "study.seeds=[1, 2]"});
-  EXPECT_NE(npdr(two).err.find("infer NPDR (MoG), seed 2, round 2: isn't there yet; run it first: "
-                               "npdr run small.toml"),
-            std::string::npos);
+  EXPECT_TRUE(has(npdr(two).err,
+                  "infer NPDR (MoG), seed 2, round 2: isn't there yet; run it first: "
+                  "npdr run small.toml"));
   two.insert(two.end(), {"--seeds", "1"});
   EXPECT_EQ(npdr(two).out, one.out);
 }
@@ -75,8 +74,7 @@ TEST_F(PosteriorCommands, DensitiesOfAStudyAreTheMeanOverItsSeeds) {
   const std::string pooled = samples({"-n", "2"});
   EXPECT_TRUE(pooled.starts_with(of_first)) << pooled;
   const std::size_t line = of_second.find('\n') + 1;
-  EXPECT_EQ(pooled.find(of_second.substr(line)), std::string::npos)
-      << "each has random numbers of its own: " << pooled;
+  EXPECT_FALSE(has(pooled, of_second.substr(line))) << "each has random numbers of its own";
   std::ofstream(file("center.csv")) << "1,1\n9,9\n";
   const auto log_prob = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"log-prob"});
@@ -144,10 +142,10 @@ TEST_F(PosteriorCommands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
   EXPECT_EQ(wider.status, 0) << "channels that the posterior doesn't know are left out\n"
                              << wider.err;
   const std::string warning = "has other actions, or begins in other states";
-  EXPECT_EQ(wider.err.find(warning), std::string::npos) << wider.err;
+  EXPECT_FALSE(has(wider.err, warning));
   const Outcome pushed = sample([](Target& t) { t.rollouts[1].actions.array() += 0.1; });
   EXPECT_EQ(pushed.status, 0);
-  EXPECT_NE(pushed.err.find(warning), std::string::npos) << pushed.err;
+  EXPECT_TRUE(has(pushed.err, warning));
   EXPECT_EQ(wider.out, sample([](Target&) {}).out);
 }
 

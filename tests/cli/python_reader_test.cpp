@@ -155,7 +155,7 @@ TEST_F(PythonReader, RefusesWhatItCantRead) {
                                     " -B -c 'import " + module + "; " + module + "." + name +
                                     "(\"" + (folder_.path() / file).string() + "\")'")
                                   .err;
-    EXPECT_NE(found.find(message), std::string::npos) << found;
+    EXPECT_TRUE(has(found, message));
   };
   expect_says("npdr_posterior", "Posterior", "runs/one/target.h5",
               "target.h5: not a trained posterior of schema 22; npdr run makes one");

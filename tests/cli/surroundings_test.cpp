@@ -135,7 +135,7 @@ TEST_F(Surroundings, ACommandThatWaitsForAFileEndsAtOnce) {
                                         "--dt", "0.1", "-o", "o.h5"})
                                 : npdr({command, "pipe"});
     EXPECT_EQ(outcome.status, 2) << command;
-    EXPECT_NE(outcome.err.find("pipe: isn't a"), std::string::npos) << outcome.err;
+    EXPECT_TRUE(has(outcome.err, "pipe: isn't a"));
   }
 }
 
@@ -168,14 +168,14 @@ TEST_F(Surroundings, ClosedStreamsTakeNoFileOfOurs) {
     EXPECT_EQ(in_shell("ulimit -f 8", closed).status, 1);
     std::string said;
     for (const auto& log : fs::directory_iterator(logs())) said += text_of(log.path());
-    EXPECT_NE(said.find("File too large"), std::string::npos) << closed << ": " << said;
+    EXPECT_TRUE(has(said, "File too large")) << closed;
   }
 }
 
 TEST_F(Surroundings, ALimitOnTheSizeOfFilesIsNamed) {
   const Outcome outcome = in_shell("ulimit -f 8");
   EXPECT_EQ(outcome.status, 1) << outcome.err;
-  EXPECT_NE(outcome.err.find("File too large; raise the limit"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "File too large; raise the limit"));
 }
 
 TEST_F(Surroundings, TheMaskSaysWhoMayWriteLogs) {
@@ -191,7 +191,7 @@ TEST_F(Surroundings, ALogIsNoLink) {
   fs::create_symlink(folder_ / "victim", logs() / "target.log");
   const Outcome outcome = in_shell("true");
   EXPECT_EQ(outcome.status, 1);
-  EXPECT_NE(outcome.err.find("target.log: can't be written"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "target.log: can't be written"));
   EXPECT_EQ(text_of(folder_ / "victim"), "theirs\n");
 }
 

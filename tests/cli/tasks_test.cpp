@@ -39,14 +39,13 @@ std::size_t num_lines(const std::string& text) {
 TEST_F(Tasks, AreWhatCanBeMadeNow) {
   const Outcome first = npdr({"tasks", "small.toml"});
   EXPECT_EQ(first.status, 0) << first.err;
-  EXPECT_NE(first.out.find("npdr-propose small.toml"), std::string::npos) << first.out;
-  EXPECT_EQ(first.out.find("npdr-simulate"), std::string::npos) << "needs the proposals first";
+  EXPECT_TRUE(has(first.out, "npdr-propose small.toml"));
+  EXPECT_FALSE(has(first.out, "npdr-simulate")) << "needs the proposals first";
   EXPECT_EQ(npdr({"run", "small.toml", "--until", "propose"}).status, 0);
   const std::vector<std::string> small_shards = {
       "tasks", "small.toml", "--set", "simulate.shard_size=40", "--until", "simulate"};
   const Outcome shards = npdr(small_shards);
-  EXPECT_NE(shards.out.find("--shard 0"), std::string::npos) << shards.out;
-  EXPECT_NE(shards.out.find("--shard 3"), std::string::npos) << shards.out;
+  EXPECT_TRUE(has(shards.out, {"--shard 0", "--shard 3"}));
   std::vector<std::string> packed = small_shards;
   packed.insert(packed.end(), {"--shards-per-task", "3"});
   EXPECT_EQ(num_lines(npdr(packed).out), num_lines(shards.out) / 2) << "4 shards in 2 tasks";
@@ -82,10 +81,10 @@ TEST_F(Tasks, SimulationsMayHaveDifferentNumbersOfShards) {
     EXPECT_EQ(outcome.status, 0) << outcome.err;
   }
   const Outcome status = call({"npdr", "status"}, {});
-  EXPECT_EQ(status.out.find("shards"), std::string::npos) << "all are there:\n" << status.out;
+  EXPECT_FALSE(has(status.out, "shards")) << "all are there:\n";
   const Outcome none = call({"npdr-simulate"}, {"--round", "2", "--shard", "6"});
   EXPECT_EQ(none.status, 2);
-  EXPECT_NE(none.err.find("has shards 0 to "), std::string::npos) << none.err;
+  EXPECT_TRUE(has(none.err, "has shards 0 to "));
 }
 
 TEST_F(Tasks, TakeWhatTheyRunAlongWhenTheyAreKilled) {

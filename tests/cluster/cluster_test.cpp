@@ -74,8 +74,8 @@ TEST_F(OneMachineCluster, StatusTellsWhatIsDead) {
   EXPECT_EQ(cluster_->command({"kill-node", "n2"}).status, 0);
   const Outcome status = cluster_->command({"status"});
   EXPECT_EQ(status.status, 1);
-  EXPECT_NE(status.out.find("n1         process"), std::string::npos) << status.out;
-  EXPECT_EQ(status.out.find("n2         process"), std::string::npos) << status.out;
+  EXPECT_TRUE(has(status.out, "n1         process"));
+  EXPECT_FALSE(has(status.out, "n2         process"));
   EXPECT_EQ(cluster_->command({"start-node", "n2"}).status, 0);
   EXPECT_EQ(cluster_->command({"status"}).status, 0);
 }
@@ -84,7 +84,7 @@ TEST_F(OneMachineCluster, SaysWhatIsWrong) {
   const auto expect = [&](const std::vector<std::string>& words, int status, const char* message) {
     const Outcome outcome = cluster_->command(words);
     EXPECT_EQ(outcome.status, status) << words.back();
-    EXPECT_NE(outcome.err.find(message), std::string::npos) << outcome.err;
+    EXPECT_TRUE(has(outcome.err, message));
   };
   expect({"up"}, 1, "there is a cluster at ");
   expect({"up", "--nodes", "0"}, 2, "--nodes 0: must be a number from 1 to 100");

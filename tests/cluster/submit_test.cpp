@@ -28,10 +28,6 @@ awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) column[$i] = i; print "sum,differen
          { printf "%.9g,%.9g\n", $column["a"] + $column["b"], $column["a"] - $column["b"] }' "$1" > "$2"
 )sh";
 
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 class Submit : public ClusterTest {
  protected:
   void SetUp() override {
@@ -139,7 +135,7 @@ TEST_F(Submit, WhatIsQueuedIsntSubmittedTwiceAndCanBeCanceled) {
   const Outcome first = npdr({"submit", "slow.toml", "--sbatch=--hold"});
   EXPECT_EQ(first.status, 0) << first.err;
   const Outcome second = npdr({"submit", "slow.toml"});
-  EXPECT_TRUE(has(second.out, "nothing to submit")) << second.out;
+  EXPECT_TRUE(has(second.out, "nothing to submit"));
   EXPECT_TRUE(has(npdr({"status", "slow.toml"}).out, "queued ("));
   // Also by somebody who has changed the study meanwhile.
   const Outcome canceled = npdr({"cancel", "slow.toml", "--set", "target.truth.a=0.5"});
@@ -192,7 +188,7 @@ TEST_F(Submit, ARefinementWithHelpersHasTheBitsOfALocalRun) {
   write_text_file(cluster_->folder() / "refined.toml", study);
   const Outcome submitted = npdr({"submit", "refined.toml"});
   ASSERT_EQ(submitted.status, 0) << submitted.err;
-  EXPECT_TRUE(has(submitted.out, "help infer Refined, seed 1, round 1, 2 tasks")) << submitted.out;
+  EXPECT_TRUE(has(submitted.out, "help infer Refined, seed 1, round 1, 2 tasks"));
   const Outcome again = npdr({"submit", "refined.toml"});
   EXPECT_TRUE(has(again.out, "nothing to submit")) << again.out << again.err;
 
@@ -223,7 +219,7 @@ TEST_F(Submit, HelpersThatFailAreToldAndTheOthersCanceledWithTheirRefinement) {
     return has(npdr({"status", "refined.toml"}).out, ", 1 helper; 1 helper failed, job " + helper);
   });
   const std::string status = npdr({"status", "refined.toml"}).out;
-  EXPECT_TRUE(has(status, "1 running")) << status;
+  EXPECT_TRUE(has(status, "1 running"));
   EXPECT_TRUE(has(npdr({"cancel", "refined.toml"}).out, "tasks canceled"));
   cluster_->wait_until_idle();
 }
@@ -233,9 +229,7 @@ TEST_F(Submit, ATaskThatIsKilledIsAllThatIsSubmittedAgain) {
   cluster_->kill_shell_of(task, SIGKILL);
   cluster_->wait_until_idle();
   const std::string status = npdr({"status", "slow.toml"}).out;
-  EXPECT_TRUE(has(status, "3 of 4 shards")) << status;
-  EXPECT_TRUE(has(status, "job " + task + ": ")) << status;
-  EXPECT_TRUE(has(status, task + ".log")) << status;
+  EXPECT_TRUE(has(status, {"3 of 4 shards", "job " + task + ": ", task + ".log"}));
   const Outcome again = npdr({"submit", "slow.toml", "--wait"});
   EXPECT_EQ(again.status, 0) << again.err;
   expect_bits_of_a_local_run();
@@ -245,9 +239,8 @@ TEST_F(Submit, AFailedShardSaysWhyAndDoesntHang) {
   write_text_file(cluster_->folder() / "bad-disk", "");
   const Outcome failed = npdr({"submit", "slow.toml", "--wait"});
   EXPECT_EQ(failed.status, 1);
-  EXPECT_TRUE(has(failed.err, "simulate NPE, seed 1, round 1 failed: job ")) << failed.err;
-  EXPECT_TRUE(has(failed.err, "exit status 1")) << failed.err;
-  EXPECT_TRUE(has(failed.err, "/proc/no")) << failed.err;
+  EXPECT_TRUE(
+      has(failed.err, {"simulate NPE, seed 1, round 1 failed: job ", "exit status 1", "/proc/no"}));
   EXPECT_TRUE(has(npdr({"status", "slow.toml"}).out, "failed"));
   std::filesystem::remove(cluster_->folder() / "bad-disk");
   EXPECT_EQ(npdr({"submit", "slow.toml", "--wait"}).status, 0);
@@ -297,7 +290,7 @@ TEST_F(Submit, AStudySurvivesTheCrashOfTheController) {
   cluster_->command({"kill-controller"});
   const Outcome blind = npdr({"status", "slow.toml"});
   EXPECT_EQ(blind.status, 0);
-  EXPECT_TRUE(has(blind.err, "what is queued isn't known")) << blind.err;
+  EXPECT_TRUE(has(blind.err, "what is queued isn't known"));
   EXPECT_EQ(cluster_->command({"start-controller"}).status, 0);
   EXPECT_TRUE(has(npdr({"submit", "slow.toml"}).out, "nothing to submit"));
   EXPECT_TRUE(has(npdr({"cancel", "slow.toml"}).out, "tasks canceled"));

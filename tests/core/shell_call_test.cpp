@@ -47,7 +47,7 @@ TEST_F(ShellCalls, KeepBeginAndEndOfALongOutput) {
   EXPECT_LT(result.output.size(), 40'000u);
   EXPECT_TRUE(result.output.starts_with("first\n"));
   EXPECT_TRUE(result.output.ends_with("last\n"));
-  EXPECT_NE(result.output.find("bytes left out"), std::string::npos);
+  EXPECT_TRUE(has(result.output, "bytes left out"));
 }
 
 TEST_F(ShellCalls, AreEndedAsAGroupAtTheTimeLimit) {
@@ -134,7 +134,7 @@ TEST_F(ShellCalls, OutputWithoutEndDoesNotHoldUpTheTimeLimit) {
 TEST_F(ShellCalls, AFolderThatIsNotThereIsAFailure) {
   const CallResult result = run_shell({"true", folder_ / "none", {}, 60.0});
   EXPECT_EQ(result.exit_status, 126);
-  EXPECT_NE(result.output.find("can't be entered"), std::string::npos);
+  EXPECT_TRUE(has(result.output, "can't be entered"));
 }
 
 }  // namespace

@@ -171,13 +171,12 @@ class Repair : public Damage {
     write_bytes(c.damaged, bytes);
     const Outcome failed = folder_->npdr({"run"});
     EXPECT_EQ(failed.status, 2) << c.name << ": " << failed.err;
-    EXPECT_NE(failed.err.find(c.damaged.filename()), std::string::npos) << failed.err;
-    EXPECT_NE(failed.err.find("remove it"), std::string::npos) << failed.err;
+    EXPECT_TRUE(has(failed.err, {c.damaged.filename(), "remove it"}));
     const Outcome status = folder_->npdr({"status", "--check"});
     EXPECT_EQ(status.status, 1) << status.err;
-    EXPECT_NE(status.out.find("damaged, remove it: "), std::string::npos) << c.name << status.out;
+    EXPECT_TRUE(has(status.out, "damaged, remove it: ")) << c.name;
     for (const fs::path& path : c.removed) {
-      EXPECT_NE(failed.err.find(path.filename()), std::string::npos) << failed.err;
+      EXPECT_TRUE(has(failed.err, path.filename()));
       fs::remove(path);
     }
     const Outcome again = folder_->npdr({"run"});
@@ -211,9 +210,8 @@ TEST_F(Repair, ADamagedCheckpointIsNamed) {
     write_bytes(checkpoint, bytes);
     const Outcome failed = folder_->npdr({"run"});
     EXPECT_EQ(failed.status, 2) << failed.err;
-    EXPECT_NE(failed.err.find(checkpoint.filename()), std::string::npos) << failed.err;
-    EXPECT_NE(failed.err.find("remove it"), std::string::npos) << failed.err;
-    EXPECT_NE(folder_->npdr({"status"}).out.find("damaged, remove it: "), std::string::npos);
+    EXPECT_TRUE(has(failed.err, {checkpoint.filename(), "remove it"}));
+    EXPECT_TRUE(has(folder_->npdr({"status"}).out, "damaged, remove it: "));
   }
   fs::remove(checkpoint);
   EXPECT_EQ(folder_->npdr({"run"}).status, 0);

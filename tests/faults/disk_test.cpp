@@ -27,12 +27,11 @@ class FullDisk : public Faults {
 
   static void expect_clear(const Outcome& outcome, const Artefact& artefact) {
     EXPECT_EQ(outcome.status, 1) << outcome.err;
-    EXPECT_NE(outcome.err.find("No space left on device"), std::string::npos) << outcome.err;
-    EXPECT_NE(outcome.err.find("free some space"), std::string::npos) << outcome.err;
+    EXPECT_TRUE(has(outcome.err, {"No space left on device", "free some space"}));
     const std::string place = artefact.stage == "report"     ? "runs/faults/"
                               : artefact.stage == "simulate" ? artefact.key
                                                              : artefact.path.filename().string();
-    EXPECT_NE(outcome.err.find(place), std::string::npos) << outcome.err;
+    EXPECT_TRUE(has(outcome.err, place));
     EXPECT_FALSE(fs::exists(artefact.path)) << artefact.label;
     EXPECT_EQ(temporaries(folder_->work()), std::set<std::string>()) << artefact.label;
   }
@@ -74,8 +73,7 @@ TEST_F(FullDisk, ARunSaysSoAndGoesOnOnceThereIsSpace) {
   disk_->leave(150 << 10);
   const Outcome failed = folder_->npdr({"run"});
   EXPECT_EQ(failed.status, 1) << failed.err;
-  EXPECT_NE(failed.err.find("No space left on device"), std::string::npos) << failed.err;
-  EXPECT_NE(failed.err.find("free some space"), std::string::npos) << failed.err;
+  EXPECT_TRUE(has(failed.err, {"No space left on device", "free some space"}));
   disk_->free_all();
   const Outcome again = folder_->npdr({"run"});
   EXPECT_EQ(again.status, 0) << again.err;
@@ -90,8 +88,7 @@ TEST_F(Faults, AFileThatMayNotGrowIsAnErrorAndNothingIsLeft) {
     const FileSizeLimit limit(10'000);
     const Outcome failed = run(folder_->path(), FaultFolder::making(artefact));
     EXPECT_EQ(failed.status, 1);
-    EXPECT_NE(failed.err.find("File too large"), std::string::npos) << failed.err;
-    EXPECT_NE(failed.err.find(artefact.path.filename()), std::string::npos) << failed.err;
+    EXPECT_TRUE(has(failed.err, {"File too large", artefact.path.filename()}));
   }
   EXPECT_EQ(folder_->npdr({"run"}).status, 0);
   expect_same_results(*folder_);

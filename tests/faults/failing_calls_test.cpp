@@ -66,11 +66,11 @@ TEST_F(FailingCalls, WhatCannotBeReadJustNowIsNotCalledDamaged) {
       failing.set("NPDR_FAIL_UNDER", ".cache/simulate");
       const Outcome failed = run(folder_->path(), FaultFolder::making(reader));
       EXPECT_EQ(failed.status, 1) << call << " " << error << ": " << failed.err;
-      EXPECT_EQ(failed.err.find("remove"), std::string::npos) << failed.err;
-      EXPECT_NE(failed.err.find(".h5"), std::string::npos) << failed.err;
+      EXPECT_FALSE(has(failed.err, "remove"));
+      EXPECT_TRUE(has(failed.err, ".h5"));
       failing.set("NPDR_FAIL_UNDER", ".cache");
       const Outcome status = folder_->npdr({"status", "--check"});
-      EXPECT_EQ(status.out.find("remove"), std::string::npos) << status.out;
+      EXPECT_FALSE(has(status.out, "remove"));
     }
   }
   EXPECT_EQ(folder_->npdr({"run"}).status, 0);
@@ -85,7 +85,7 @@ TEST_F(FailingCalls, AReadThatIsCutShortIsGoneOnWith) {
     failing.set("NPDR_FAIL_UNDER", ".cache");
     const Outcome outcome = run(folder_->path(), FaultFolder::making(reader));
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_EQ(folder_->npdr({"status", "--check"}).out.find("remove"), std::string::npos);
+    EXPECT_FALSE(has(folder_->npdr({"status", "--check"}).out, "remove"));
   }
   expect_same_results(*folder_);
 }
@@ -98,8 +98,7 @@ TEST_F(FailingCalls, AFileThatCannotBeClosedIsNamed) {
     failing.set("NPDR_FAIL_UNDER", ".cache/simulate");
     const Outcome failed = run(folder_->path(), FaultFolder::making(reader));
     EXPECT_EQ(failed.status, 1) << failed.err;
-    EXPECT_NE(failed.err.find(".h5: HDF5 couldn't close this file"), std::string::npos)
-        << failed.err;
+    EXPECT_TRUE(has(failed.err, ".h5: HDF5 couldn't close this file"));
   }
   EXPECT_EQ(folder_->npdr({"run"}).status, 0);
   expect_same_results(*folder_);

@@ -11,7 +11,7 @@ class Folders : public Faults {
   // That a program says what is wrong with `place`, with one of the statuses of failure.
   static void expect_named(const Outcome& outcome, const std::string& place) {
     EXPECT_TRUE(outcome.status == 1 || outcome.status == 2) << outcome.status << outcome.err;
-    EXPECT_NE(outcome.err.find(place), std::string::npos) << outcome.err;
+    EXPECT_TRUE(has(outcome.err, place));
   }
 };
 
@@ -56,7 +56,7 @@ TEST_F(Folders, AReadOnlyWorkFolderCanBeLookedAtButNotWorkedIn) {
     EXPECT_EQ(folder_->npdr({"status"}).status, 0);
     const Outcome failed = run(folder_->path(), FaultFolder::making(posterior));
     expect_named(failed, posterior.path.filename());
-    EXPECT_NE(failed.err.find("make the folder writable"), std::string::npos) << failed.err;
+    EXPECT_TRUE(has(failed.err, "make the folder writable"));
     expect_named(folder_->npdr({"run"}), "make the folder writable");
   }
   fs::remove_all(folder_->work());
@@ -69,8 +69,7 @@ TEST_F(Folders, NoMoreFilesIsAnErrorThatSaysSo) {
   if (!disk.is_there()) GTEST_SKIP() << disk.why_not();
   const Outcome failed = folder_->npdr({"run", "--work", "other"});
   EXPECT_EQ(failed.status, 1);
-  EXPECT_NE(failed.err.find("No space left on device"), std::string::npos) << failed.err;
-  EXPECT_NE(failed.err.find("df -i"), std::string::npos) << failed.err;
+  EXPECT_TRUE(has(failed.err, {"No space left on device", "df -i"}));
 }
 
 TEST_F(Folders, AWorkFolderThatDisappearsEndsTheRunAndTheNextOneGoesOn) {
@@ -82,7 +81,7 @@ TEST_F(Folders, AWorkFolderThatDisappearsEndsTheRunAndTheNextOneGoesOn) {
   fs::rename(folder_->work(), gone);
   const Outcome outcome = program.wait();
   EXPECT_TRUE(outcome.status == 1 || outcome.status == 2) << outcome.status << outcome.err;
-  EXPECT_NE(outcome.err.find("runs/"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(has(outcome.err, "runs/"));
   fs::remove_all(folder_->work());
   fs::rename(gone, folder_->work());
   EXPECT_EQ(folder_->npdr({"run"}).status, 0);
@@ -92,8 +91,7 @@ TEST_F(Folders, AWorkFolderThatDisappearsEndsTheRunAndTheNextOneGoesOn) {
 TEST_F(Folders, WhatIsInTheWayIsNamed) {
   fs::create_symlink("loop", folder_->path() / "loop");
   expect_named(folder_->npdr({"run", "--work", "loop"}), "loop");
-  EXPECT_NE(folder_->npdr({"status", "--work", "loop"}).out.find("leads to itself"),
-            std::string::npos);
+  EXPECT_TRUE(has(folder_->npdr({"status", "--work", "loop"}).out, "leads to itself"));
 
   std::ofstream(folder_->path() / "a_file") << "text";
   expect_named(folder_->npdr({"run", "--work", "a_file"}), "a_file");
@@ -103,12 +101,12 @@ TEST_F(Folders, WhatIsInTheWayIsNamed) {
   for (const Artefact& artefact : {posterior, proposal}) {
     fs::remove(artefact.path);
     fs::create_directory(artefact.path);
-    EXPECT_NE(folder_->npdr({"status"}).out.find("is a folder"), std::string::npos);
+    EXPECT_TRUE(has(folder_->npdr({"status"}).out, "is a folder"));
     expect_named(folder_->npdr({"run"}), "is a folder, must be a file");
     fs::remove(artefact.path);
     fs::create_symlink(artefact.path.filename(), artefact.path);
     expect_named(folder_->npdr({"run"}), artefact.path.filename());
-    EXPECT_NE(folder_->npdr({"status"}).out.find("leads to itself"), std::string::npos);
+    EXPECT_TRUE(has(folder_->npdr({"status"}).out, "leads to itself"));
     fs::remove(artefact.path);
   }
   EXPECT_EQ(folder_->npdr({"run"}).status, 0);

@@ -52,7 +52,7 @@ TEST_F(Together, ARunBesideTheStagesOwnExecutablesGivesTheSameBits) {
       // 2: what it needs isn't there yet.
       EXPECT_TRUE(outcome.status == 0 || outcome.status == 2) << program << ": " << outcome.err;
       if (outcome.status == 2) {
-        EXPECT_NE(outcome.err.find(" needs '"), std::string::npos) << outcome.err;
+        EXPECT_TRUE(has(outcome.err, " needs '"));
       }
     }
   }

@@ -145,7 +145,7 @@ TEST(FurutaSwingUp, ModelOfTheControllerScalesItsVoltage) {
   const std::string message = message_of<InputError>([&] {
     FurutaSwingUp(theta_of(furuta, {{"motor_constant", 0.0}}));
   });
-  EXPECT_NE(message.find("motor_constant"), std::string::npos) << message;
+  EXPECT_TRUE(has(message, "motor_constant"));
 }
 
 }  // namespace

@@ -168,7 +168,7 @@ TEST_F(MujocoModels, SegmentsBeginWhereASensorOfAJointWas) {
   target.state_channels = {{"encoder", "rad"}};
   EXPECT_TRUE(std::ranges::equal(replay(sensor, target, gravity).row(0), expected.row(0)));
   const LibrarySimulator velocity(config(R"("option.gravity")", R"("q_dot")"));
-  EXPECT_NE(velocity.info().description.find("aren't recorded: q"), std::string::npos);
+  EXPECT_TRUE(has(velocity.info().description, "aren't recorded: q"));
 }
 
 // A body's inertia is that of its geometry, of whatever size, scaled to its mass: a rod of length l

@@ -18,7 +18,7 @@ std::string problem_of(const SimulatorConfig& config) {
 }
 
 void expect_part(const std::string& message, const std::string& part) {
-  EXPECT_NE(message.find(part), std::string::npos) << message;
+  EXPECT_TRUE(has(message, part));
 }
 
 TEST(Simulator, EveryNameMakesASimulatorOfThisName) {

@@ -10,6 +10,7 @@
 #include "core/constants.h"
 #include "core/error.h"
 #include "inference/weighted_population.h"
+#include "tests/message_of.h"
 
 namespace npdr::inference {
 namespace {
@@ -319,7 +320,7 @@ TEST(ImportanceSampler, SaysThatAModeIsMissed) {
       1;
   const ImportanceCertificate certificate = run_with(last_lesson).sample().certificate;
   EXPECT_GT(certificate.missed_share, 0.9);
-  EXPECT_NE(verdict(certificate).find("missed"), std::string::npos) << verdict(certificate);
+  EXPECT_TRUE(has(verdict(certificate), "missed"));
 }
 
 // What was reported at first isn't any more, and its proposal isn't among the next one's.

@@ -36,25 +36,20 @@ class JobScripts : public testing::Test {
   Plan plan_ = make_plan(parse_study(one_method(), "s.toml"), WorkFolder(folder_ / "runs"));
 };
 
-#define EXPECT_HAS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
-
 TEST_F(JobScripts, OfAnArrayPackShardsAndEndAtTheLast) {
   Job array;
   array.tasks = {0, 1, 2};
   array.shards_per_task = 2;
   const std::string text = script(Stage::simulate, array);
-  EXPECT_HAS(text, "#!/bin/bash\n");
-  EXPECT_HAS(text, "#SBATCH --cpus-per-task=2\n#SBATCH --mem=500M\n#SBATCH --time=01:00:00\n");
-  EXPECT_HAS(text, "#SBATCH --signal=B:USR1@120\n");
-  EXPECT_HAS(text, "#SBATCH --chdir=\"/home/me/a b\"\n");
-  EXPECT_HAS(text, "#SBATCH --output=/home/me/100%%/simulate-npe-seed-1-round-1-%A_%a.log\n");
-  EXPECT_HAS(text, "sbatch --array=0-2 THIS_FILE\n");
-  EXPECT_HAS(text, "module load gcc/12\n");
-  EXPECT_HAS(text, "export NPDR_SCRATCH=\"$TMPDIR\"\n");
-  EXPECT_HAS(text, "first=$((SLURM_ARRAY_TASK_ID * 2))\n");
-  EXPECT_HAS(text, "last=$((first + 1 < 4 ? first + 1 : 4))\n");
-  EXPECT_HAS(text,
-             "exec /opt/npdr/npdr task -- /opt/npdr/npdr-simulate 'my study.toml' --artefact");
+  EXPECT_TRUE(has(
+      text,
+      {"#!/bin/bash\n", "#SBATCH --cpus-per-task=2\n#SBATCH --mem=500M\n#SBATCH --time=01:00:00\n",
+       "#SBATCH --signal=B:USR1@120\n", "#SBATCH --chdir=\"/home/me/a b\"\n",
+       "#SBATCH --output=/home/me/100%%/simulate-npe-seed-1-round-1-%A_%a.log\n",
+       "sbatch --array=0-2 THIS_FILE\n", "module load gcc/12\n",
+       "export NPDR_SCRATCH=\"$TMPDIR\"\n", "first=$((SLURM_ARRAY_TASK_ID * 2))\n",
+       "last=$((first + 1 < 4 ? first + 1 : 4))\n",
+       "exec /opt/npdr/npdr task -- /opt/npdr/npdr-simulate 'my study.toml' --artefact"}));
 }
 
 TEST_F(JobScripts, QuotePathsAsSbatchReadsThem) {
@@ -62,19 +57,17 @@ TEST_F(JobScripts, QuotePathsAsSbatchReadsThem) {
   job.nodes = {0};
   const std::string text =
       job_script({plan_, {"s.toml"}, "/home/me/a#b\"c", "/opt/npdr", "/logs"}, job);
-  EXPECT_HAS(text, "#SBATCH --chdir=\"/home/me/a#b\\\"c\"\n");
+  EXPECT_TRUE(has(text, "#SBATCH --chdir=\"/home/me/a#b\\\"c\"\n"));
   EXPECT_THROW(job_script({plan_, {"s.toml"}, "/home/me/a\\b", "/opt/npdr", "/logs"}, job),
                InputError);
 }
 
 TEST_F(JobScripts, OfOtherStagesRunTheirArtefacts) {
   const std::string text = script(Stage::infer, {});
-  EXPECT_HAS(text, "#SBATCH --partition=short\n");
-  EXPECT_HAS(text, "#SBATCH --cpus-per-task=1\n#SBATCH --time=01:00:00\n");
-  EXPECT_HAS(text, "#SBATCH --mail-type=FAIL\n");
-  EXPECT_HAS(text, "#SBATCH --qos=long\n");
-  EXPECT_HAS(text,
-             "exec /opt/npdr/npdr task -- /opt/npdr/npdr run 'my study.toml' \\\n  --artefact ");
+  EXPECT_TRUE(has(
+      text, {"#SBATCH --partition=short\n", "#SBATCH --cpus-per-task=1\n#SBATCH --time=01:00:00\n",
+             "#SBATCH --mail-type=FAIL\n", "#SBATCH --qos=long\n",
+             "exec /opt/npdr/npdr task -- /opt/npdr/npdr run 'my study.toml' \\\n  --artefact "}));
 }
 
 TEST(ClusterTable, IsCheckedAndASitesKeysAreDefaults) {

@@ -302,16 +302,14 @@ TEST_F(HelperJobs, RunTheirPartOfTheRefinement) {
   ASSERT_EQ(helpers.size(), 1u);
   const ScriptContext context{plan_, {"s.toml"}, "/here", "/programs", "/logs"};
   const std::string script = job_script(context, helpers.front());
-  for (const std::string part :
-       {"--job-name=npdr-small-help\n", "--cpus-per-task=5\n", "/help-infer-refined", "%A_%a.log",
-        "npdr-simulate", plan_.nodes[refinement_].key.c_str(),
-        "--helper \"$((SLURM_ARRAY_TASK_ID + 1))/3\"\n"}) {
-    EXPECT_NE(script.find(part), std::string::npos) << part << " in\n" << script;
-  }
-  EXPECT_EQ(script.find(" run "), std::string::npos);
+  EXPECT_TRUE(
+      has(script, {"--job-name=npdr-small-help\n", "--cpus-per-task=5\n", "/help-infer-refined",
+                   "%A_%a.log", "npdr-simulate", plan_.nodes[refinement_].key,
+                   "--helper \"$((SLURM_ARRAY_TASK_ID + 1))/3\"\n"}));
+  EXPECT_FALSE(has(script, " run "));
   // The refinement's job knows how many there are, also where the site's file says it.
   const std::string refinement = job_script(context, jobs[helpers.front().helps.front()]);
-  EXPECT_NE(refinement.find("--set cluster.refine_tasks=3"), std::string::npos) << refinement;
+  EXPECT_TRUE(has(refinement, "--set cluster.refine_tasks=3"));
 }
 
 TEST_F(HelperJobs, MakeNothingThatIsInFlight) {

@@ -2,6 +2,7 @@
 
 #include "pipeline/config/study_reader.h"
 #include "pipeline/run/scheduler.h"
+#include "tests/message_of.h"
 #include "tests/pipeline/plan/plan_parts.h"
 #include "tests/study_text.h"
 

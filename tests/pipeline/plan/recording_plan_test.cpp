@@ -65,11 +65,8 @@ TEST(Plan, ARefinementThatLeavesRolloutsOutNeedsTwo) {
     make_plan(parse_study(text, "one.toml", {"target.rollouts=" + rollouts}), WorkFolder("runs"));
   };
   EXPECT_NO_THROW(plan("[2, 1]"));
-  EXPECT_NE(message_of<InputError>([&] {
-              plan("[2]");
-            }).find("refine.cross_validate = true, must be false with a single rollout"),
-            std::string::npos)
-      << message_of<InputError>([&] { plan("[2]"); });
+  EXPECT_TRUE(has(message_of<InputError>([&] { plan("[2]"); }),
+                  "refine.cross_validate = true, must be false with a single rollout"));
 }
 
 TEST(Plan, AChannelThatIsZeroThroughoutIsNamed) {

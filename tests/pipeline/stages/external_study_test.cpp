@@ -55,8 +55,7 @@ TEST_F(ExternalStudies, ReportWhatMeansNothingToThem) {
        {"simulator.substeps=2", "simulator.integrator=\"erk4\"", "target.num_rollouts=1",
         "method.num_rollouts=1", "method.embedding.downsample=1", "evaluate.floor=true"}) {
     const std::string key = std::string(assignment).substr(0, std::string(assignment).find('='));
-    EXPECT_NE(problems({assignment}).find(key + " must be left out: "), std::string::npos)
-        << assignment;
+    EXPECT_TRUE(has(problems({assignment}), key + " must be left out: ")) << assignment;
   }
   EXPECT_TRUE(says(problems({"method.\"A\".embedding.kind=linear"}),
                    {"method.embedding.kind = 'linear'", "must be 'identity'", "no rollouts"}));
@@ -74,8 +73,7 @@ TEST_F(ExternalStudies, AndBuiltInSimulatorsReportWhatIsTheirs) {
                    {"simulator.features", "must be left out", "state channels"}));
   EXPECT_TRUE(says(problem("evaluate.metrics=[\"distance\"]"),
                    {"evaluate.metrics = 'distance'", "must be left out", "simulator.command"}));
-  EXPECT_NE(problem("method.embedding.kind=identity").find("'all_steps' keeps all states"),
-            std::string::npos);
+  EXPECT_TRUE(has(problem("method.embedding.kind=identity"), "'all_steps' keeps all states"));
 }
 
 TEST_F(ExternalStudies, AreExactlyOneOfThree) {
@@ -96,24 +94,21 @@ TEST_F(ExternalStudies, ATypoOfTheirFirstKeyIsAnUnknownKey) {
   const std::string text = message_of<InputError>(
       [&] { parse_study(edited(two_methods(), "command =", "comand ="), folder_ / "s.toml"); },
       &folder_);
-  EXPECT_NE(text.find("s.toml:6:1: simulator: unknown key 'comand' (did you mean 'command'?)"),
-            std::string::npos)
-      << text;
+  EXPECT_TRUE(has(text, "s.toml:6:1: simulator: unknown key 'comand' (did you mean 'command'?)"));
 }
 
 TEST_F(ExternalStudies, HaveNoEquationsThatAreARegression) {
-  EXPECT_NE(problems({"method.\"A\".algorithm=linear_regression"})
-                .find("algorithm 'linear_regression' needs simulator.name = 'furuta'"),
-            std::string::npos);
+  EXPECT_TRUE(has(problems({"method.\"A\".algorithm=linear_regression"}),
+                  "algorithm 'linear_regression' needs simulator.name = 'furuta'"));
 }
 
 TEST_F(ExternalStudies, OfADatasetCannotBeCalibrated) {
   const std::string dataset = "simulator.dataset=" + (folder_ / "d.h5").string();
   const std::vector<std::string> small = {"diagnose.checks=[\"sbc\", \"tarp\"]", dataset,
                                           "method.num_simulations=2", "method.num_rounds=1"};
-  EXPECT_NE(problems(small).find("diagnose.checks = [sbc, tarp], must be such that one of them "
-                                 "means something to a method"),
-            std::string::npos);
+  EXPECT_TRUE(has(problems(small),
+                  "diagnose.checks = [sbc, tarp], must be such that one of them "
+                  "means something to a method"));
 }
 
 TEST_F(ExternalStudies, NeedAnObservationOrAWholeTruth) {
@@ -121,12 +116,11 @@ TEST_F(ExternalStudies, NeedAnObservationOrAWholeTruth) {
                    {"target.observation = 'none.csv'", "must be an existing CSV or HDF5 file"}));
   EXPECT_EQ(problems({"target.truth={ a = 0.5 }", "simulator.features=[\"peak\"]"}),
             "target.truth: 'b' is missing: a command has no nominal values");
-  EXPECT_NE(problems({"target.truth={ a = 0.5, b = 0.0 }"}).find("simulator.features is missing"),
-            std::string::npos);
-  EXPECT_NE(
-      problems({"target.truth={ a = 0.5, b = 0.0, c = 1.0 }", "simulator.features=[\"peak\"]"})
-          .find("unknown parameter 'c'"),
-      std::string::npos);
+  EXPECT_TRUE(
+      has(problems({"target.truth={ a = 0.5, b = 0.0 }"}), "simulator.features is missing"));
+  EXPECT_TRUE(
+      has(problems({"target.truth={ a = 0.5, b = 0.0, c = 1.0 }", "simulator.features=[\"peak\"]"}),
+          "unknown parameter 'c'"));
 }
 
 TEST_F(ExternalStudies, HaveNoNeighborsThatNoiseCouldBeCorrelatedWith) {
@@ -141,15 +135,12 @@ TEST_F(ExternalStudies, HaveNoNeighborsThatNoiseCouldBeCorrelatedWith) {
 }
 
 TEST_F(ExternalStudies, HaveNamesThatCanHeadAColumn) {
-  EXPECT_NE(problems({"simulator.features=[\"pe,ak\", \"mean\"]"}).find("'pe,ak', must be made of"),
-            std::string::npos);
-  EXPECT_NE(problems({"simulator.features=[\"mean\", \"mean [m]\"]"}).find("there once"),
-            std::string::npos);
-  EXPECT_NE(
-      problems({"simulator.parameters={ \"a b\" = 1.0 }"}).find("the name 'a b' must be made"),
-      std::string::npos);
-  EXPECT_NE(problems({"prior.\"2x\"={ uniform = [0, 1] }"}).find("the name '2x' must be made"),
-            std::string::npos);
+  EXPECT_TRUE(
+      has(problems({"simulator.features=[\"pe,ak\", \"mean\"]"}), "'pe,ak', must be made of"));
+  EXPECT_TRUE(has(problems({"simulator.features=[\"mean\", \"mean [m]\"]"}), "there once"));
+  EXPECT_TRUE(
+      has(problems({"simulator.parameters={ \"a b\" = 1.0 }"}), "the name 'a b' must be made"));
+  EXPECT_TRUE(has(problems({"prior.\"2x\"={ uniform = [0, 1] }"}), "the name '2x' must be made"));
 }
 
 TEST_F(ExternalStudies, SeeFeaturesAsTheyAre) {
@@ -171,9 +162,8 @@ TEST_F(ExternalStudies, TakeTheObservationAsItIs) {
 
 TEST_F(ExternalStudies, KnowTheFeaturesThatAnEmbeddingMayPick) {
   EXPECT_EQ(plan_of({"method.embedding.channels=[\"mean\"]"}).nodes.size(), plan_of().nodes.size());
-  EXPECT_NE(problems({"method.embedding.channels=[\"men\"]"})
-                .find("unknown feature 'men' (did you mean 'mean'?)"),
-            std::string::npos);
+  EXPECT_TRUE(has(problems({"method.embedding.channels=[\"men\"]"}),
+                  "unknown feature 'men' (did you mean 'mean'?)"));
 }
 
 TEST_F(ExternalStudies, AnEditOfTheScriptOrASettingMakesOtherSimulations) {
@@ -216,16 +206,13 @@ TEST_F(ExternalStudies, OfADatasetHaveOneRoundAndItsRows) {
         },
         &folder_);
   };
-  EXPECT_NE(problem("method.num_rounds=2").find("method.num_rounds = 2, must be 1 with a dataset"),
-            std::string::npos);
-  EXPECT_NE(
-      problem("study.name=x").find("num_simulations = 8, must be <= 2, the rows of the dataset"),
-      std::string::npos);
-  EXPECT_NE(problem("prior={ c = { uniform = [0, 1] } }").find("has no parameter 'c'"),
-            std::string::npos);
-  EXPECT_NE(problem("simulator.parameters={ c = 1 }")
-                .find("simulator.parameters must be left out: a dataset can't be simulated again"),
-            std::string::npos);
+  EXPECT_TRUE(
+      has(problem("method.num_rounds=2"), "method.num_rounds = 2, must be 1 with a dataset"));
+  EXPECT_TRUE(
+      has(problem("study.name=x"), "num_simulations = 8, must be <= 2, the rows of the dataset"));
+  EXPECT_TRUE(has(problem("prior={ c = { uniform = [0, 1] } }"), "has no parameter 'c'"));
+  EXPECT_TRUE(has(problem("simulator.parameters={ c = 1 }"),
+                  "simulator.parameters must be left out: a dataset can't be simulated again"));
 }
 
 // More numbers than are read at once, asked for in any order: x stays with its theta.

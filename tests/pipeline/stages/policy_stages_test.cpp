@@ -170,9 +170,8 @@ TEST_F(PolicyStages, ACheckpointOfSomethingElseIsNamed) {
                           Vector::Zero(1)};
   kPolicyCheckpointSchema.write(p.work.checkpoint("policy", node.key), node.identity, checkpoint);
   const std::string message = message_of<InputError>([&] { run_stage(p, node); });
-  EXPECT_NE(message.find(p.work.checkpoint("policy", node.key).string()), std::string::npos)
-      << message;
-  EXPECT_NE(message.find("remove it and rerun stage 'policy'"), std::string::npos) << message;
+  EXPECT_TRUE(has(message, {p.work.checkpoint("policy", node.key).string(),
+                            "remove it and rerun stage 'policy'"}));
 }
 
 }  // namespace

@@ -322,10 +322,8 @@ TEST_F(RefineStage, TakesThePowerThatPredictsLeftOutRolloutsBest) {
   const ReportData data = read_report_data(plan, plan.nodes.back());
   ASSERT_TRUE(power_figure().exists(data));
   const std::string caption = power_figure().make(data, folder_.path()).caption;
-  EXPECT_NE(caption.find(fmt::format("as good as any: {:.3g} (CV{}).", power[chosen],
-                                     chosen == 0 ? ", none smaller was tried" : "")),
-            std::string::npos)
-      << caption;
+  EXPECT_TRUE(has(caption, fmt::format("as good as any: {:.3g} (CV{}).", power[chosen],
+                                       chosen == 0 ? ", none smaller was tried" : "")));
 }
 
 // A rod of some grams and centimeters: the integration diverges in some rows, which says that the
@@ -343,7 +341,7 @@ TEST_F(RefineStage, SimulationsThatFailAreCounted) {
                                 .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]"}));
   run_until(plan, Stage::report);
   const std::string report = text_of(folder_ / "runs/refine/report.html");
-  EXPECT_NE(report.find("count as impossible parameters"), std::string::npos);
+  EXPECT_TRUE(has(report, "count as impossible parameters"));
 }
 
 TEST_F(RefineStage, KeysDependOnWhatThePosteriorDoes) {

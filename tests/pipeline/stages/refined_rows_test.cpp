@@ -191,11 +191,11 @@ TEST_F(RefinedRowsOfAStudy, SayWhatIsWrongWithThem) {
   fs::rename(right, wrong);
   EXPECT_TRUE(says(error_of_helper(), {wrong, "asks for asked-0-50-", "remove this file"}));
   write_text_file(wrong, "damaged");
-  EXPECT_NE(error_of_helper().find(wrong), std::string::npos);
+  EXPECT_TRUE(has(error_of_helper(), wrong));
   fs::remove(wrong);
   asked.theta = RowMatrix::Constant(50, 2, 1.0);
   write_asked_rows(rows_, plan_.nodes.front().identity, asked);
-  EXPECT_NE(error_of_helper().find(node_.key), std::string::npos) << "of another artefact";
+  EXPECT_TRUE(has(error_of_helper(), node_.key)) << "of another artefact";
 }
 
 TEST_F(RefinedRowsOfAStudy, OnlyRefinementsAreHelped) {

@@ -224,11 +224,10 @@ TEST_F(SmallStages, TrainingGoesOnFromItsCheckpoint) {
   kCheckpointSchema.write(checkpoint, infer.identity,
                           {{state_of(VectorF::Zero(weights.size() + 16))}, {}});
   const std::string message = message_of<InputError>([&] { run_stage(plan, infer); }, &folder_);
-  EXPECT_NE(message.find(".checkpoint.h5: training state: " + std::to_string(weights.size() + 16) +
-                         " parameters, must be " + std::to_string(weights.size()) +
-                         ", as many as the network's; remove it and rerun stage 'infer'"),
-            std::string::npos)
-      << message;
+  EXPECT_TRUE(
+      has(message, ".checkpoint.h5: training state: " + std::to_string(weights.size() + 16) +
+                       " parameters, must be " + std::to_string(weights.size()) +
+                       ", as many as the network's; remove it and rerun stage 'infer'"));
 
   kCheckpointSchema.write(checkpoint, infer.identity, {{state_of(weights)}, {}});
   const std::string digest = content_digest(checkpoint);

@@ -159,10 +159,11 @@ TEST_F(HostileH5, RowsOfAFileInAnotherFolderAreNotRead) {
   other.close();
   for (const std::string& part : {std::string("../other.h5"), (folder_ / "other.h5").string()}) {
     File file = File::create(folder_ / (part == "../other.h5" ? "folder/a.h5" : "folder/b.h5"));
-    EXPECT_NE(message_of<InputError>([&] {
-                file.create_virtual_dataset("x", h5::ElementType::f64, {2, 3}, {{part, "x", 2}});
-              }).find("isn't in the folder of this file, or below it"),
-              std::string::npos);
+    EXPECT_TRUE(
+        has(message_of<InputError>([&] {
+              file.create_virtual_dataset("x", h5::ElementType::f64, {2, 3}, {{part, "x", 2}});
+            }),
+            "isn't in the folder of this file, or below it"));
   }
 }
 
