@@ -1,7 +1,9 @@
 // What is said of bad and of suspicious studies: tests/golden/config.txt.
 #include "core/text.h"
+#include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/config/simulator_info.h"
 #include "pipeline/config/study_warnings.h"
+#include "pipeline/plan/plan.h"
 #include "tests/golden_file.h"
 #include "tests/pipeline/small_study.h"
 
@@ -13,6 +15,10 @@ TEST(Golden, Config) {
   folder.file("r.h5", "");
   folder.file("x_o.csv", "a\n1\n");
   folder.file("run.csv", "t [s],theta [rad]\n");
+  folder.file("peak.csv", "peak [m],mean\n1,2\n");
+  folder.file("sim.sh", "exit 0");
+  import_dataset(folder.file("theta.csv", "b,a\n1,2\n3,4\n"), folder.file("x.csv", "1,2\n3,4\n"),
+                 folder / "d.h5");
   const std::string path = folder.path().string();
   expect_golden("config", [&](const GoldenCase& given) {
     std::string text = given.text;
@@ -26,7 +32,10 @@ TEST(Golden, Config) {
     }
     std::string said;
     const std::string problems = message_of<InputError>([&] {
-      const Study study = parse_study(with_all(text, "{folder}", path), "s.toml", overrides);
+      Study study = parse_study(with_all(text, "{folder}", path), "s.toml", overrides);
+      if (given.name.ends_with("(planned)")) {
+        study = make_plan(study, WorkFolder(folder / "runs")).study;
+      }
       said = join(texts_of(warnings_of(study, simulator_info(study))), "\n");
     });
     return with_all(with_all(problems + said, path, "{folder}"),
