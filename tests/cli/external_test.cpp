@@ -198,16 +198,6 @@ TEST_F(External, SamplesOfParametersWithCommasInTheirUnitsComeBack) {
   EXPECT_EQ(densities.status, 0) << densities.err;
 }
 
-TEST_F(External, NumbersThatStandForFailuresAreTold) {
-  folder_.file("fails.sh",
-               "sh linear_gaussian.sh \"$1\" \"$2.all\"\n"
-               "awk 'NR % 8 == 2 { print \"-999,-999\"; next } 1' \"$2.all\" > \"$2\"\n");
-  const Outcome outcome =
-      npdr({"run", "shell.toml", "--set", "simulator.command='sh fails.sh {theta} {x}'"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_TRUE(has(outcome.err, "'total' is -999 in 8 of 64 rows"));
-}
-
 TEST_F(External, PosteriorsOfACommandCanBeDiagnosed) {
   run_well({"shell.toml", "--set", "diagnose={ num_simulations = 60, num_samples = 100 }"});
   const std::string text = table("external-shell", "diagnostics");
