@@ -6,20 +6,18 @@
 namespace npdr::pipeline {
 namespace {
 
-class BadInput : public ::testing::Test {
+class BadInput : public SmallStudyTest {
  protected:
   // The outcome of a run of the small study with `from` replaced by `to`.
   Outcome run_with(const std::string& from, const std::string& to) {
     std::ofstream(folder_.path() / "small.toml") << edited(small_study(), from, to);
-    return run(folder_.path(), {"npdr", "run", "small.toml"});
+    return npdr({"run", "small.toml"});
   }
 
   static void expect_rejected(const Outcome& outcome, const std::string& part) {
     EXPECT_EQ(outcome.status, 2);
     EXPECT_TRUE(has(outcome.err, part));
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(BadInput, MisspelledKey) {
@@ -33,52 +31,48 @@ TEST_F(BadInput, HeldOutRolloutsThatAreNone) {
 }
 
 TEST_F(BadInput, FoldsThatHaveBeenSeen) {
-  std::ofstream(folder_.path() / "small.toml") << small_study();
-  expect_rejected(run(folder_.path(), {"npdr", "run", "small.toml", "--set",
-                                       "target.num_rollouts=3", "--set", "evaluate.leave_out=3"}),
+  expect_rejected(npdr({"run", "small.toml", "--set", "target.num_rollouts=3", "--set",
+                        "evaluate.leave_out=3"}),
                   "evaluate.leave_out: rollout 'simulated 0' is the same as 'simulated 1'");
 }
 
 TEST_F(BadInput, MissingStudyAndUnknownCommandAndNoCommand) {
-  EXPECT_EQ(run(folder_.path(), {"npdr", "run", "none.toml"}).status, 2);
-  EXPECT_EQ(run(folder_.path(), {"npdr", "rnu"}).status, 2);
+  EXPECT_EQ(npdr({"run", "none.toml"}).status, 2);
+  EXPECT_EQ(npdr({"rnu"}).status, 2);
   EXPECT_EQ(run(folder_.path(), {"npdr"}).status, 2);
 }
 
 TEST_F(BadInput, WorkFolderThatCannotBeMade) {
-  std::ofstream(folder_.path() / "small.toml") << small_study();
   std::ofstream(folder_.path() / "runs") << "a file";
-  const Outcome outcome = run(folder_.path(), {"npdr", "run", "small.toml"});
+  const Outcome outcome = npdr({"run", "small.toml"});
   EXPECT_NE(outcome.status, 0);
   EXPECT_TRUE(has(outcome.err, "runs"));
 }
 
 // A limit on the size of files stands in for a full disk: writing fails in the same place.
 TEST_F(BadInput, FullDiskIsReportedAndLeavesNothingHalfWritten) {
-  std::ofstream(folder_.path() / "small.toml") << small_study();
   rlimit before{};
   getrlimit(RLIMIT_FSIZE, &before);
   const rlimit small{20'000, before.rlim_max};
   signal(SIGXFSZ, SIG_IGN);
   setrlimit(RLIMIT_FSIZE, &small);
-  const Outcome outcome = run(folder_.path(), {"npdr", "run", "small.toml"});
+  const Outcome outcome = npdr({"run", "small.toml"});
   setrlimit(RLIMIT_FSIZE, &before);
   signal(SIGXFSZ, SIG_DFL);
   EXPECT_EQ(outcome.status, 1);
   EXPECT_TRUE(has(outcome.err, "File too large"));
-  EXPECT_EQ(run(folder_.path(), {"npdr", "run", "small.toml"}).status, 0);
+  EXPECT_EQ(npdr({"run", "small.toml"}).status, 0);
 }
 
 TEST_F(BadInput, TruncatedShardIsFoundAndNamed) {
-  std::ofstream(folder_.path() / "small.toml") << small_study();
-  ASSERT_EQ(run(folder_.path(), {"npdr", "run", "small.toml", "--until", "simulate"}).status, 0);
+  ASSERT_EQ(npdr({"run", "small.toml", "--until", "simulate"}).status, 0);
   std::filesystem::path shard;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path() / "runs" /
                                                                          ".cache" / "simulate")) {
     if (entry.path().filename().string().starts_with("rows-")) shard = entry.path();
   }
   std::filesystem::resize_file(shard, std::filesystem::file_size(shard) / 2);
-  const Outcome outcome = run(folder_.path(), {"npdr", "run", "small.toml"});
+  const Outcome outcome = npdr({"run", "small.toml"});
   EXPECT_NE(outcome.status, 0);
   EXPECT_TRUE(has(outcome.err, shard.filename().string()));
 }
@@ -90,17 +84,15 @@ TEST_F(BadInput, TooManyFailedRolloutsHaveAStatusOfTheirOwn) {
                "pole_mass = { uniform = [0.01, 0.02] }\npole_length = { uniform = [0.01, 0.02] }");
   EXPECT_EQ(outcome.status, 3);
   EXPECT_TRUE(has(outcome.err, "rows failed ("));
-  const Outcome inspected =
-      run(folder_.path(), {"npdr", "inspect", "runs/small/npdr-maf/seed-1/round-1/simulate.h5"});
+  const Outcome inspected = npdr({"inspect", "runs/small/npdr-maf/seed-1/round-1/simulate.h5"});
   EXPECT_EQ(inspected.status, 0) << inspected.err;
   for (const char* command : {"status", "explain"}) {
-    const Outcome shown = run(folder_.path(), {"npdr", command, "small.toml"});
+    const Outcome shown = npdr({command, "small.toml"});
     EXPECT_TRUE(has(shown.out, {"failed", "rows failed ("}));
   }
 }
 
 TEST_F(BadInput, RoundThatNoMethodHas) {
-  std::ofstream(folder_.path() / "small.toml") << small_study();
   for (const char* round : {"0", "3"}) {
     for (const char* program : {"npdr-propose", "npdr-infer", "npdr-report"}) {
       expect_rejected(run(folder_.path(), {program, "small.toml", "--round", round}),
@@ -110,14 +102,12 @@ TEST_F(BadInput, RoundThatNoMethodHas) {
 }
 
 TEST_F(BadInput, SeedsAndMethodsThatTheStudyDoesNotHave) {
-  std::ofstream(folder_.path() / "small.toml") << small_study();
   expect_rejected(run(folder_.path(), {"npdr-infer", "small.toml", "--seeds", "7"}), "seed 7");
   expect_rejected(run(folder_.path(), {"npdr-infer", "small.toml", "--only", "NPDR (MAV)"}),
                   "NPDR (MAV)");
 }
 
 TEST_F(BadInput, OutputThatCannotBeWrittenIsAnError) {
-  std::ofstream(folder_.path() / "small.toml") << small_study();
   const Streams full{.out = "/dev/full"};
   for (const std::vector<std::string>& words :
        {std::vector<std::string>{"npdr", "status", "small.toml"},
@@ -135,7 +125,6 @@ TEST_F(BadInput, OutputThatCannotBeWrittenIsAnError) {
 }
 
 TEST_F(BadInput, ProgressThatCannotBeWrittenIsNone) {
-  std::ofstream(folder_.path() / "small.toml") << small_study();
   const Outcome outcome = run(folder_.path(), {"npdr", "run", "small.toml"}, {.err = "/dev/full"});
   EXPECT_EQ(outcome.status, 0);
 }

@@ -17,7 +17,7 @@ std::string study(const std::string& name, const std::string& noise) {
       .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]", "floor = false"});
 }
 
-class Evidence : public ::testing::Test {
+class Evidence : public CommandTest {
  protected:
   void SetUp() override {
     write("made", pendulum_study("made").method("M"));
@@ -31,12 +31,6 @@ class Evidence : public ::testing::Test {
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_.path() / (name + ".toml")) << text;
   }
-  Outcome npdr(std::vector<std::string> words) const {
-    words.insert(words.begin(), "npdr");
-    return run(folder_.path(), words);
-  }
-
-  TempFolder folder_;
 };
 
 TEST_F(Evidence, OfTwoNoiseModelsTheSmallerExplainsARecordingWithoutNoiseBetter) {

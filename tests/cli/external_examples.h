@@ -12,14 +12,10 @@ namespace npdr::pipeline {
 inline const std::filesystem::path kExamples =
     std::filesystem::path(NPDR_SOURCE_DIR) / "experiments" / "external";
 
-class External : public ::testing::Test {
+class External : public CommandTest {
  protected:
   External() { std::filesystem::copy(kExamples, folder_.path()); }
 
-  Outcome npdr(std::vector<std::string> words) const {
-    words.insert(words.begin(), "npdr");
-    return run(folder_.path(), words);
-  }
   void run_well(std::vector<std::string> words) const {
     words.insert(words.begin(), "run");
     const Outcome outcome = npdr(words);
@@ -79,8 +75,6 @@ class External : public ::testing::Test {
     }
     return num_lost;
   }
-
-  TempFolder folder_;
 };
 
 }  // namespace npdr::pipeline

@@ -7,7 +7,7 @@
 namespace npdr::pipeline {
 namespace {
 
-class Failures : public ::testing::Test {
+class Failures : public CommandTest {
  protected:
   // A simulator in awk: what it prints for the parameters $1, $2.
   Outcome run_study(const std::string& prints, const std::vector<std::string>& settings) const {
@@ -19,15 +19,13 @@ class Failures : public ::testing::Test {
                                                kSmallMixture, "training = { max_epochs = 3 }"})
                                .with("evaluate", {"num_samples = 40"})
                                .with("limits", {"max_failed_fraction = 1.0"}));
-    std::vector<std::string> words = {"npdr", "run", "s.toml"};
+    std::vector<std::string> words = {"run", "s.toml"};
     for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
-    return run(folder_.path(), words);
+    return npdr(words);
   }
   std::string table(const std::string& name) const {
     return text_of(folder_ / "runs/failing/tables" / (name + ".md"));
   }
-
-  TempFolder folder_;
 };
 
 const std::string kFailsAbove = "print ($1 > 0.8 ? \\\"nan\\\" : $1)";

@@ -5,20 +5,17 @@
 namespace npdr::pipeline {
 namespace {
 
-class ImportCommand : public ::testing::Test {
+class ImportCommand : public CommandTest {
  protected:
   ImportCommand() {
     folder_.file("a.csv",
                  "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n0.0,0.1,1,5\n0.1,0.2,2,6\n");
   }
   Outcome import(const std::string& output, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {"npdr", "import", "a.csv", "--simulator", "pendulum", "-o"};
-    words.push_back(output);
+    std::vector<std::string> words = {"import", "a.csv", "--simulator", "pendulum", "-o", output};
     words.insert(words.end(), more.begin(), more.end());
-    return run(folder_.path(), words);
+    return npdr(words);
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(ImportCommand, WritesARecordingAndSaysWhatIsNext) {

@@ -6,13 +6,13 @@
 namespace npdr::pipeline {
 namespace {
 
-class Interruption : public ::testing::Test {
+class Interruption : public CommandTest {
  protected:
   void SetUp() override { prepare(small_study()); }
 
   void prepare(const std::string& study) {
     std::ofstream(folder_.path() / "small.toml") << study;
-    const Outcome whole = run(folder_.path(), {"npdr", "run", "small.toml", "--work", "whole"});
+    const Outcome whole = npdr({"run", "small.toml", "--work", "whole"});
     ASSERT_EQ(whole.status, 0) << whole.err;
     reference_ = digests(folder_.path() / "whole" / "small");
   }
@@ -44,7 +44,6 @@ class Interruption : public ::testing::Test {
     EXPECT_EQ(digests(folder_.path() / work / "small"), reference_);
   }
 
-  TempFolder folder_;
   std::map<std::string, std::string> reference_;
 };
 
@@ -94,10 +93,7 @@ TEST_F(Interruption, StoppedDiagnosesGoOnWithTheSameBits) {
                                "density_estimator = { num_networks = 2, hidden_features = 8 }",
                                "training = { max_epochs = 10 }"}));
   std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", "stopped"};
-  ASSERT_EQ(
-      run(folder_.path(), {"npdr", "run", "small.toml", "--work", "stopped", "--until", "infer"})
-          .status,
-      0);
+  ASSERT_EQ(npdr({"run", "small.toml", "--work", "stopped", "--until", "infer"}).status, 0);
   const Program program(folder_.path(), words);
   begins_to_make(program, folder_.path() / "stopped/.cache/diagnose");
   program.send(SIGTERM);
@@ -140,10 +136,8 @@ TEST_F(Interruption, CtrlCStopsAtAnyInstant) {
 constexpr const char* kCheckpoint = "checkpoint at epoch";
 
 // A training of the small study that ends only when it is told to.
-class EndlessTraining : public ::testing::Test {
+class EndlessTraining : public SmallStudyTest {
  protected:
-  void SetUp() override { std::ofstream(folder_.path() / "small.toml") << small_study(); }
-
   // How many trainings have a checkpoint.
   int num_checkpoints() const {
     const std::string status = run(folder_.path(), words("status", {})).out;
@@ -163,8 +157,6 @@ class EndlessTraining : public ::testing::Test {
     EXPECT_TRUE(begins_to_make(*program, folder_.path() / "runs/.cache/infer", 2));
     return program;
   }
-
-  TempFolder folder_;
 
  private:
   static std::vector<std::string> words(const std::string& command,

@@ -32,18 +32,16 @@ std::string all_algorithms_study() {
   return study;
 }
 
-class Methods : public ::testing::Test {
+class Methods : public CommandTest {
  protected:
-  void SetUp() override { std::ofstream(folder_.path() / "all.toml") << all_algorithms_study(); }
-  TempFolder folder_;
+  Methods() { folder_.file("all.toml", all_algorithms_study()); }
 };
 
 TEST_F(Methods, EveryAlgorithmRunsWithTheSameBitsForAnyThreadCount) {
   setenv("OMP_NUM_THREADS", "1", 1);
-  const Outcome one = run(folder_.path(), {"npdr", "run", "all.toml", "--work", "one", "-j", "1"});
+  const Outcome one = npdr({"run", "all.toml", "--work", "one", "-j", "1"});
   setenv("OMP_NUM_THREADS", "3", 1);
-  const Outcome three =
-      run(folder_.path(), {"npdr", "run", "all.toml", "--work", "three", "-j", "3"});
+  const Outcome three = npdr({"run", "all.toml", "--work", "three", "-j", "3"});
   unsetenv("OMP_NUM_THREADS");
   ASSERT_EQ(one.status, 0) << one.err;
   ASSERT_EQ(three.status, 0) << three.err;
@@ -53,8 +51,7 @@ TEST_F(Methods, EveryAlgorithmRunsWithTheSameBitsForAnyThreadCount) {
 }
 
 TEST_F(Methods, TheTableOfSeedsSaysHowWellChainsAgree) {
-  const Outcome outcome =
-      run(folder_.path(), {"npdr", "run", "all.toml", "--only", "nle", "--only", "npe_a"});
+  const Outcome outcome = npdr({"run", "all.toml", "--only", "nle", "--only", "npe_a"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   std::ifstream file(folder_.path() / "runs" / "all" / "tables" / "seeds.csv");
   std::string header, npe_a, nle;
@@ -69,16 +66,14 @@ TEST_F(Methods, TheTableOfSeedsSaysHowWellChainsAgree) {
 }
 
 TEST_F(Methods, PosteriorsOfALikelihoodCanBeSampledFromTheCommandLine) {
-  const Outcome outcome =
-      run(folder_.path(), {"npdr", "run", "all.toml", "--only", "nle", "--until", "infer"});
+  const Outcome outcome = npdr({"run", "all.toml", "--only", "nle", "--until", "infer"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const std::string posterior = "runs/all/nle/seed-1/round-2/infer.h5";
-  const Outcome samples = run(folder_.path(), {"npdr", "sample", posterior, "-n", "5"});
+  const Outcome samples = npdr({"sample", posterior, "-n", "5"});
   EXPECT_EQ(samples.status, 0) << samples.err;
   EXPECT_EQ(std::ranges::count(samples.out, '\n'), 6) << samples.out;
   EXPECT_TRUE(samples.err.starts_with("chains: largest R-hat ")) << samples.err;
-  const Outcome other =
-      run(folder_.path(), {"npdr", "sample", posterior, "-n", "5", "--x", "runs/all/target.h5"});
+  const Outcome other = npdr({"sample", posterior, "-n", "5", "--x", "runs/all/target.h5"});
   EXPECT_EQ(other.status, 0) << other.err;
   EXPECT_TRUE(has(other.err, "warning: " + posterior + " is of round 2"));
 }
@@ -89,8 +84,8 @@ TEST_F(Methods, SamplesThatRepeatOthersAreCounted) {
              .with("observation_noise", {"scale = 0.1"})
              .method("ABC", {"algorithm = \"abc_rejection\"", "num_simulations = 100",
                              "embedding = { kind = \"last_step\" }", "abc = { quantile = 0.2 }"});
-  ASSERT_EQ(run(folder_.path(), {"npdr", "run", "abc.toml", "--until", "infer"}).status, 0);
-  const Outcome samples = run(folder_.path(), {"npdr", "sample", "abc.toml", "-n", "500"});
+  ASSERT_EQ(npdr({"run", "abc.toml", "--until", "infer"}).status, 0);
+  const Outcome samples = npdr({"sample", "abc.toml", "-n", "500"});
   EXPECT_EQ(samples.status, 0) << samples.err;
   EXPECT_TRUE(samples.err.starts_with("note: 480 of 500 rows repeat others: ")) << samples.err;
 }

@@ -1,19 +1,13 @@
 #include "pipeline/artefacts/recording.h"
-#include "tests/cli/program.h"
+#include "tests/cli/study_run.h"
 
 namespace npdr::pipeline {
 namespace {
 
 // A quick version of the mini golf, from the first draw to the report.
-class MinigolfStudy : public ::testing::Test {
+class MinigolfStudy : public StudyRun {
  protected:
-  static void SetUpTestSuite() {
-    folder_ = new TempFolder;
-    std::ofstream(folder_->path() / "small.toml") << small_minigolf_study();
-    const Outcome outcome = run(folder_->path(), {"npdr", "run", "small.toml"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-  }
-  static void TearDownTestSuite() { delete folder_; }
+  static void SetUpTestSuite() { run_study("small.toml", small_minigolf_study()); }
 
   static h5::File open(const std::string& name) {
     return h5::File::open(folder_->path() / "runs/small" / name);
@@ -29,10 +23,7 @@ class MinigolfStudy : public ::testing::Test {
     EXPECT_NE(found, names.end()) << point;
     return file.read_vector<double>(metric, Index(names.size()))(found - names.begin());
   }
-
-  static TempFolder* folder_;
 };
-TempFolder* MinigolfStudy::folder_ = nullptr;
 
 TEST_F(MinigolfStudy, HoldsRolloutsOutOfTheTarget) {
   EXPECT_EQ(read_recording(folder_->path() / "runs/small/target.h5", std::nullopt).num_rollouts(),
@@ -72,8 +63,7 @@ TEST_F(MinigolfStudy, ReportsWhatItMeasured) {
 
 TEST_F(MinigolfStudy, GoalsAreForSimulatorsThatHaveOne) {
   std::ofstream(folder_->path() / "pendulum.toml") << small_study();
-  const Outcome outcome = run(
-      folder_->path(), {"npdr", "validate", "pendulum.toml", "--set", "evaluate.metrics=['goal']"});
+  const Outcome outcome = npdr({"validate", "pendulum.toml", "--set", "evaluate.metrics=['goal']"});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_TRUE(has(outcome.err, "the simulator 'pendulum' has no goal"));
 }

@@ -14,12 +14,8 @@
 
 namespace npdr::pipeline {
 
-class OwnSimulators : public ::testing::Test {
+class OwnSimulators : public CommandTest {
  protected:
-  Outcome npdr(std::vector<std::string> words) const {
-    words.insert(words.begin(), "npdr");
-    return run(folder_.path(), words);
-  }
   Outcome shell(const std::string& command) const {
     return run(folder_.path(), {"/bin/sh", "-c", command});
   }
@@ -44,8 +40,6 @@ class OwnSimulators : public ::testing::Test {
             "--set", "method.training.max_epochs=60",
             "--set", "evaluate.num_samples=200"};
   }
-
-  TempFolder folder_;
 };
 
 // The compiler line of the example's head, with the folder of the header of this build.

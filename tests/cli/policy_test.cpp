@@ -2,7 +2,7 @@
 #include <cstdlib>
 
 #include "pipeline/artefacts/recording.h"
-#include "tests/cli/program.h"
+#include "tests/cli/study_run.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -36,34 +36,19 @@ StudyText& with_search(StudyText& study) {
              "y = { parameter = \"pole_length\", values = [0.1, 0.15] }"});
 }
 
-class Policies : public ::testing::Test {
+class Policies : public StudyRun {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new TempFolder;
     StudyText study = searched_study();
     with_search(with_online(study, {"num_iterations = 2", "policy_iterations = 3"}));
-    std::ofstream(file("searched.toml")) << study;
     setenv("OMP_NUM_THREADS", "1", 1);
-    const Outcome outcome = npdr({"run", "searched.toml", "--jobs", "1"});
+    run_study("searched.toml", study, {"--jobs", "1"});
     unsetenv("OMP_NUM_THREADS");
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-    run_output_ = outcome.out;
     reference_ = digests(file("runs/searched"));
   }
-  static void TearDownTestSuite() { delete folder_; }
 
-  static Outcome npdr(std::vector<std::string> words) {
-    words.insert(words.begin(), "npdr");
-    return run(folder_->path(), words);
-  }
-  static std::filesystem::path file(const std::string& name) { return folder_->path() / name; }
-
-  static TempFolder* folder_;
-  static std::string run_output_;
   static std::map<std::string, std::string> reference_;
 };
-TempFolder* Policies::folder_ = nullptr;
-std::string Policies::run_output_;
 std::map<std::string, std::string> Policies::reference_;
 
 TEST_F(Policies, TheReportHasTablesAndFigures) {

@@ -110,6 +110,17 @@ inline Outcome run(const std::filesystem::path& folder, const std::vector<std::s
   return Program(folder, words, streams).wait();
 }
 
+/// Tests that call commands in a folder of their own.
+class CommandTest : public ::testing::Test {
+ protected:
+  Outcome npdr(std::vector<std::string> words) const {
+    words.insert(words.begin(), "npdr");
+    return run(folder_.path(), words);
+  }
+
+  TempFolder folder_;
+};
+
 /// A Python that has a package; "": none has.
 inline std::string python_with(const std::string& package) {
   for (const char* name : {"python3", "/usr/bin/python3"}) {
@@ -134,6 +145,12 @@ inline StudyText small_study() {
                              "training = { max_epochs = 30 }"})
       .with("evaluate", {"num_samples = 50"});
 }
+
+/// Tests that call commands beside the small study.
+class SmallStudyTest : public CommandTest {
+ protected:
+  SmallStudyTest() { folder_.file("small.toml", small_study()); }
+};
 
 /// A small mini golf study that takes seconds.
 inline StudyText small_minigolf_study() {

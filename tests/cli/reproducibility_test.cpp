@@ -5,21 +5,17 @@
 namespace npdr::pipeline {
 namespace {
 
-class Reproducibility : public ::testing::Test {
+class Reproducibility : public SmallStudyTest {
  protected:
-  void SetUp() override { std::ofstream(folder_.path() / "small.toml") << small_study(); }
-
   // Digests of a whole run into a work folder of its own.
   std::map<std::string, std::string> digests_of(const std::string& work,
                                                 const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", work};
+    std::vector<std::string> words = {"run", "small.toml", "--work", work};
     words.insert(words.end(), more.begin(), more.end());
-    const Outcome outcome = run(folder_.path(), words);
+    const Outcome outcome = npdr(words);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     return digests(folder_.path() / work / "small");
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(Reproducibility, SameBitsForAnyThreadCountAndShardSize) {
@@ -106,8 +102,7 @@ TEST_F(Reproducibility, SameBitsWithoutNetworks) {
     EXPECT_EQ(samples.status, 0) << samples.err;
     std::ofstream(folder_.path() / "theta.csv") << samples.out;
     const Outcome densities =
-        run(folder_.path(),
-            {"npdr", "log-prob", std::string("one/small/") + method + "/infer.h5", "theta.csv"});
+        npdr({"log-prob", std::string("one/small/") + method + "/infer.h5", "theta.csv"});
     EXPECT_EQ(densities.status, 0) << densities.err;
     EXPECT_FALSE(has(densities.out, "nan"));
     const Outcome other = sample(method, {"--x", "one/small/target.h5"});
@@ -125,14 +120,14 @@ TEST_F(Reproducibility, AnotherSeedGivesOtherBits) {
 
 TEST_F(Reproducibility, ASecondRunDoesNothing) {
   digests_of("runs", {});
-  const Outcome again = run(folder_.path(), {"npdr", "run", "small.toml", "--dry-run"});
+  const Outcome again = npdr({"run", "small.toml", "--dry-run"});
   EXPECT_EQ(again.out, "");
 }
 
 TEST_F(Reproducibility, AChangedTrainingKeyKeepsTheSimulationsOfRoundOne) {
   digests_of("runs", {});
-  const Outcome plan = run(folder_.path(), {"npdr", "run", "small.toml", "--dry-run", "--set",
-                                            "method.training.learning_rate=2e-3"});
+  const Outcome plan =
+      npdr({"run", "small.toml", "--dry-run", "--set", "method.training.learning_rate=2e-3"});
   EXPECT_FALSE(has(plan.out, "# simulate NPDR (MAF), seed 1, round 1"));
   EXPECT_TRUE(has(
       plan.out, {"# infer NPDR (MAF), seed 1, round 1", "# simulate NPDR (MAF), seed 1, round 2"}));
@@ -141,9 +136,8 @@ TEST_F(Reproducibility, AChangedTrainingKeyKeepsTheSimulationsOfRoundOne) {
 TEST_F(Reproducibility, VerifyRecomputesRowsBitForBit) {
   digests_of("runs", {});
   for (const char* artefact : {"simulate", "propose"}) {
-    const Outcome outcome = run(
-        folder_.path(),
-        {"npdr", "verify", std::string("runs/small/npdr-maf/seed-1/round-1/") + artefact + ".h5"});
+    const Outcome outcome =
+        npdr({"verify", std::string("runs/small/npdr-maf/seed-1/round-1/") + artefact + ".h5"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_TRUE(has(outcome.out, "10 of 150 rows recomputed, 0 differ"));
   }

@@ -8,10 +8,13 @@ namespace npdr::pipeline {
 // A suite's SetUpTestSuite() calls run_study().
 class StudyRun : public ::testing::Test {
  protected:
-  static void run_study(const std::string& name, const std::string& text) {
+  static void run_study(const std::string& name, const std::string& text,
+                        const std::vector<std::string>& more = {}) {
     folder_ = new TempFolder;
     std::ofstream(file(name)) << text;
-    const Outcome outcome = npdr({"run", name});
+    std::vector<std::string> words = {"run", name};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = npdr(words);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     run_output_ = outcome.out;
   }

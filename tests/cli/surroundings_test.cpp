@@ -11,15 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Surroundings : public ::testing::Test {
+class Surroundings : public SmallStudyTest {
  protected:
-  void SetUp() override { std::ofstream(folder_ / "small.toml") << small_study(); }
-
-  Outcome npdr(std::vector<std::string> words) const {
-    words.insert(words.begin(), "npdr");
-    return run(folder_.path(), words);
-  }
-
   // By a shell, which sets limits and closes streams first.
   Outcome in_shell(const std::string& before, const std::string& after = "") const {
     const std::string npdr = fs::path(NPDR_BINARY_DIR) / "bin/npdr";
@@ -30,8 +23,6 @@ class Surroundings : public ::testing::Test {
   }
 
   fs::path logs() const { return folder_ / "runs/small/logs"; }
-
-  TempFolder folder_;
 };
 
 TEST_F(Surroundings, CommandsThatSaveNothingEndAtOnce) {

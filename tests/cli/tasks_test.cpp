@@ -6,17 +6,7 @@
 namespace npdr::pipeline {
 namespace {
 
-class Tasks : public ::testing::Test {
- protected:
-  void SetUp() override { std::ofstream(folder_ / "small.toml") << small_study(); }
-
-  Outcome npdr(std::vector<std::string> words) const {
-    words.insert(words.begin(), "npdr");
-    return run(folder_.path(), words);
-  }
-
-  TempFolder folder_;
-};
+class Tasks : public SmallStudyTest {};
 
 // Puts the programs on the PATH as long as it lives.
 class ProgramsOnPath {

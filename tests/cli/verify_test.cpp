@@ -1,32 +1,21 @@
 // Artefacts that are made again to be compared.
-#include "tests/cli/program.h"
+#include "tests/cli/study_run.h"
 
 namespace npdr::pipeline {
 namespace {
 
 constexpr const char* kPosterior = "runs/again/a/seed-1/round-1/infer.h5";
 
-class VerifyByRemake : public ::testing::Test {
+class VerifyByRemake : public StudyRun {
  protected:
   static void SetUpTestSuite() {
-    folder_ = new TempFolder;
-    folder_->file("again.toml",
-                  pendulum_study("again").method(
-                      "A", {"num_simulations = 100", "embedding = { kind = \"bayessim\" }",
-                            kSmallMixture, "training = { max_epochs = 3 }"}));
-    ASSERT_EQ(npdr({"run", "again.toml", "--until", "infer"}).status, 0);
+    run_study("again.toml",
+              pendulum_study("again").method(
+                  "A", {"num_simulations = 100", "embedding = { kind = \"bayessim\" }",
+                        kSmallMixture, "training = { max_epochs = 3 }"}),
+              {"--until", "infer"});
   }
-  static void TearDownTestSuite() { delete folder_; }
-
-  static Outcome npdr(std::vector<std::string> words) {
-    words.insert(words.begin(), "npdr");
-    return run(folder_->path(), words);
-  }
-
-  static TempFolder* folder_;
 };
-
-TempFolder* VerifyByRemake::folder_ = nullptr;
 
 TEST_F(VerifyByRemake, APosteriorIsTrainedAgainToTheSameBits) {
   const auto before = digests(*folder_ / "runs");
