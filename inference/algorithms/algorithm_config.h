@@ -43,7 +43,6 @@ struct AlgorithmTraits : EnumRow<Algorithm> {
   NetworkRole role = NetworkRole::posterior;  ///< of a network
   /// The kinds of density estimators that it can use, the usual one first; none without a network.
   std::span<const EstimatorKind> estimators = {};
-  std::string_view settings = {};  ///< fields of AlgorithmConfig that not all networks read
   /// One Gaussian is the network until the last round, which grows it to a mixture; posteriors are
   /// divided by their proposal.
   bool grows_in_last_round = false;

@@ -17,8 +17,14 @@ void Checker::fail(const std::string& path, const std::string& found, const std:
 }
 
 void Checker::must_be_left_out(const std::string& path, const std::string& why) {
-  if (!reading_.has(path)) return;
-  reading_.fail(path, fmt::format("{} must be left out: {}", display(path), why));
+  must_be_left_out({{path, {.unused = unless(false, why)}}});
+}
+
+void Checker::must_be_left_out(const std::vector<UnusedField>& fields) {
+  for (const auto& [path, use] : fields) {
+    if (!reading_.has(path) || (use.settable && !is_in_file(path))) continue;
+    reading_.fail(path, display(path) + " must be left out" + use.unused);
+  }
 }
 
 bool Checker::is_in_file(const std::string& path) const {

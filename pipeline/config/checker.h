@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/config/field_use.h"
 #include "pipeline/config/problems.h"
 #include "sim/simulator.h"
 
@@ -20,6 +21,9 @@ class Checker {
 
   /// Adds `path must be left out: why` where the path is there.
   void must_be_left_out(const std::string& path, const std::string& why);
+
+  /// The same where they are there. Of those that --set may give, only where the file has them.
+  void must_be_left_out(const std::vector<UnusedField>& fields);
 
   /// Whether a path stands in the study file; one of --set may be meant for other methods.
   bool is_in_file(const std::string& path) const;

@@ -6,14 +6,15 @@
 
 #include "core/enum_names.h"
 #include "pipeline/config/constraint.h"
+#include "pipeline/config/field_use.h"
 
 namespace npdr::pipeline {
 
 /// A field that holds one value of an enumeration: its name to every visitor.
 template <class Fields, NamedEnum E>
-void choice(Fields& f, const char* key, E& value, const char* doc) {
+void choice(Fields& f, const char* key, E& value, const char* doc, const FieldUse& use = {}) {
   std::string name = name_of(value);
-  f(key, name, one_of<E>(), doc);
+  f(key, name, one_of<E>(), doc, use);
   value = parse_enum<E>(key, name);
 }
 

@@ -1,6 +1,7 @@
 /// The visitors of study_fields.h that write and read JSON. Private to pipeline/config.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/field_types.h"
+#include "pipeline/config/field_use.h"
 
 namespace npdr::pipeline {
 
@@ -27,33 +29,42 @@ Json json_value(const std::map<std::string, std::string>& texts);
 Json json_value(const std::map<std::string, PublishedFigure>& figures);
 Json json_value(const std::vector<inference::Marginal>& prior);
 
-/// Writes every field, defaults included, in the order of the description.
+/// Writes fields, defaults included, in the order of the description.
 class JsonWriter {
  public:
+  /// Writes those whose use `is_kept`; all without one.
+  explicit JsonWriter(std::function<bool(const FieldUse&)> is_kept = nullptr)
+      : is_kept_(std::move(is_kept)) {}
+
   template <class T, class C>
-  void operator()(const std::string& key, const T& value, const Constraint<C>&, std::string_view) {
-    json_[key] = json_value(value);
+  void operator()(const std::string& key, const T& value, const Constraint<C>& /*allowed*/,
+                  std::string_view /*doc*/, const FieldUse& use = {}) {
+    if (keeps(use)) json_[key] = json_value(value);
   }
 
   template <class T, class C>
-  void operator()(const std::string& key, const std::optional<T>& value, const Constraint<C>&,
-                  std::string_view) {
-    if (value) json_[key] = json_value(*value);
+  void operator()(const std::string& key, const std::optional<T>& value,
+                  const Constraint<C>& /*allowed*/, std::string_view /*doc*/,
+                  const FieldUse& use = {}) {
+    if (value && keeps(use)) json_[key] = json_value(*value);
   }
 
   template <class Body>
-  void table(const std::string& key, std::string_view /*doc*/, const Body& body) {
-    JsonWriter members;
+  void table(const std::string& key, std::string_view /*doc*/, const Body& body,
+             const FieldUse& use = {}) {
+    if (!keeps(use)) return;
+    JsonWriter members(is_kept_);
     body(members);
     json_[key] = members.json();
   }
 
   template <class T, class Body>
   void list(const std::string& key, std::vector<T>& values, int /*minimum*/,
-            std::string_view /*doc*/, const Body& body) {
+            std::string_view /*doc*/, const Body& body, const FieldUse& use = {}) {
+    if (!keeps(use)) return;
     json_[key] = Json::array();
     for (T& value : values) {
-      JsonWriter members;
+      JsonWriter members(is_kept_);
       body(members, value);
       json_[key].push_back(members.json());
     }
@@ -62,6 +73,9 @@ class JsonWriter {
   const Json& json() const { return json_; }
 
  private:
+  bool keeps(const FieldUse& use) const { return !is_kept_ || is_kept_(use); }
+
+  std::function<bool(const FieldUse&)> is_kept_;
   Json json_ = Json::object();
 };
 
@@ -85,7 +99,7 @@ class JsonReader {
 
   template <class T, class C>
   void operator()(const std::string& key, T& value, const Constraint<C>& allowed,
-                  std::string_view /*doc*/) {
+                  std::string_view /*doc*/, const FieldUse& /*use*/ = {}) {
     known_.push_back(key);
     const auto found = json_.find(key);
     if (found == json_.end()) return;
@@ -100,14 +114,15 @@ class JsonReader {
 
   template <class T, class C>
   void operator()(const std::string& key, std::optional<T>& value, const Constraint<C>& allowed,
-                  std::string_view doc) {
+                  std::string_view doc, const FieldUse& /*use*/ = {}) {
     T read{};
     (*this)(key, read, allowed, doc);
     if (json_.contains(key)) value = std::move(read);
   }
 
   template <class Body>
-  void table(const std::string& key, std::string_view /*doc*/, const Body& body) {
+  void table(const std::string& key, std::string_view /*doc*/, const Body& body,
+             const FieldUse& /*use*/ = {}) {
     known_.push_back(key);
     const auto found = json_.find(key);
     if (found == json_.end()) return;
@@ -118,7 +133,7 @@ class JsonReader {
 
   template <class T, class Body>
   void list(const std::string& key, std::vector<T>& values, int /*minimum*/,
-            std::string_view /*doc*/, const Body& body) {
+            std::string_view /*doc*/, const Body& body, const FieldUse& /*use*/ = {}) {
     known_.push_back(key);
     const auto found = json_.find(key);
     if (found == json_.end()) return;

@@ -10,7 +10,6 @@
 #include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/method_settings.h"
-#include "pipeline/config/study_json.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -188,8 +187,8 @@ void MethodChecker::check_loss(const std::string& path, const MethodConfig& meth
   if (!reading_.good(path + ".algorithm") || !reading_.good(path + ".loss")) return;
   const inference::EstimatorKind kind = method.density_estimator.kind;
   if (!reading_.good(path + ".density_estimator.kind")) return;
-  if (reads_setting(algorithm.kind, "loss") && algorithm.loss == inference::Loss::analytic &&
-      kind != inference::EstimatorKind::mdn) {
+  if (algorithm.kind == inference::Algorithm::npe_c &&
+      algorithm.loss == inference::Loss::analytic && kind != inference::EstimatorKind::mdn) {
     fail(path + ".loss", "'analytic'",
          "'auto' or 'atomic' with density_estimator.kind = '" + name_of(kind) +
              "': only 'mdn' has one");
@@ -205,22 +204,21 @@ void MethodChecker::check_loss(const std::string& path, const MethodConfig& meth
   }
 }
 
-// Settings that a file gives one method on purpose; those of --set may be meant for others.
+// Where an optimizer is wrong, nobody knows what means nothing to it.
 void MethodChecker::check_unused_settings(const std::string& path, const MethodConfig& method) {
   if (!reading_.good(path + ".algorithm")) return;
-  const nlohmann::ordered_json settings = to_json(method);
-  for (const auto& [setting, value] : settings.items()) {
-    const std::string member = path + "." + setting;
-    if (reads_setting(method.algorithm.kind, setting) || !is_in_file(member)) continue;
-    const bool is_named = is_in_file(path + ".algorithm");
-    must_be_left_out(
-        member,
-        fmt::format("it means nothing to the algorithm '{}'{}{}", name_of(method.algorithm.kind),
-                    is_named ? "" : ", which a method has that names none", readers_of(setting)));
+  PolicyConfig policy = study_.policy;
+  if (!reading_.good("policy.optimizer"))
+    policy.search.kind = inference::PolicyOptimizerKind::power;
+  std::vector<UnusedField> unused = unused_fields(method, policy, path);
+  for (auto& [setting, use] : unused) {
+    if (!use.settable) continue;  // not the algorithm's
+    if (!is_in_file(path + ".algorithm")) use.unused += ", which a method has that names none";
+    use.unused += readers_of(setting.substr(path.size() + 1));
   }
+  must_be_left_out(unused);
 }
 
-// Settings that mean something to a policy search alone.
 void MethodChecker::check_iterations(const std::string& path, const MethodConfig& method) {
   const std::string iterations = path + ".num_iterations";
   if (!reading_.good("policy.optimizer")) return;
@@ -229,10 +227,6 @@ void MethodChecker::check_iterations(const std::string& path, const MethodConfig
       fail(path + ".algorithm", quoted(name_of(method.algorithm.kind)),
            "another without a table [policy]: it infers nothing, there is only its policy to look "
            "at");
-    }
-    for (const std::string& key : {iterations, path + ".policy_iterations"}) {
-      if (!reading_.has(key)) continue;
-      reading_.fail(key, fmt::format("{} must be left out without a table [policy]", display(key)));
     }
     return;
   }

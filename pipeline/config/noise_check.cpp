@@ -17,36 +17,12 @@ class NoiseChecker : Checker {
 
   void check() {
     const ObservationNoise& noise = study_.observation_noise;
-    check_one("scale", noise.scale > 0.0, "scale_prior", noise.scale_prior.has_value());
-    check_one("correlation", noise.correlation.has_value(), "correlation_prior",
-              noise.correlation_prior.has_value());
-    check_one("degrees_of_freedom", noise.degrees_of_freedom.has_value(),
-              "degrees_of_freedom_prior", noise.degrees_of_freedom_prior.has_value());
-    if (noise.is_silent()) {
-      check_silent();
-    } else if (!study_.source().gives_motion) {
-      check_features();
-    }
+    must_be_left_out(unused_fields(noise, "observation_noise"));
+    if (!noise.is_silent() && !study_.source().gives_motion) check_features();
     if (noise.std) check_channels(*noise.std);
   }
 
  private:
-  // A number is given, or its prior.
-  void check_one(const std::string& number, bool is_given, const std::string& prior,
-                 bool has_prior) {
-    if (is_given && has_prior) {
-      must_be_left_out("observation_noise." + prior, "observation_noise." + number + " is given");
-    }
-  }
-
-  void check_silent() {
-    for (const char* key :
-         {"correlation", "correlation_prior", "degrees_of_freedom", "degrees_of_freedom_prior"}) {
-      must_be_left_out(std::string("observation_noise.") + key,
-                       "there is no noise without observation_noise.scale, scale_prior or std");
-    }
-  }
-
   void check_features() {
     for (const char* key : {"correlation", "correlation_prior"}) {
       must_be_left_out(std::string("observation_noise.") + key,

@@ -53,19 +53,8 @@ bool PolicyChecker::has_task() {
   return false;
 }
 
-// Settings that a file gives on purpose; those of --set may be meant for others.
 void PolicyChecker::check_optimizer() {
-  using enum inference::PolicyOptimizerKind;
-  const inference::PolicyOptimizerKind optimizer = study_.policy.search.kind;
-  const auto only_of = [&](inference::PolicyOptimizerKind owner, const std::string& key) {
-    const std::string path = "policy." + key;
-    if (optimizer == owner || !is_in_file(path)) return;
-    must_be_left_out(path,
-                     fmt::format("it means nothing to the optimizer '{}'", name_of(optimizer)));
-  };
-  only_of(power, "num_importance_samples");
-  only_of(cross_entropy, "elite_fraction");
-  only_of(cross_entropy, "smoothing");
+  must_be_left_out(unused_fields(study_.policy, "policy"));
   const double initial = study_.policy.search.initial_std;
   if (reading_.good("policy.min_std") && study_.policy.search.min_std > initial) {
     fail("policy.min_std", fmt::format("{}", study_.policy.search.min_std),

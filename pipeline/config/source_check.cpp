@@ -24,7 +24,8 @@ class SourceChecker : Checker {
       : Checker(reading), study_(study), source_(study.source()), what_(source_.name) {}
 
   void check() {
-    check_settings();
+    must_be_left_out(unused_fields(SimulatorTable{study_.simulator, study_.external}, "simulator"));
+    if (source_.runs_users_code()) check_files();
     source_.gives_motion ? check_motion() : check_features();
     if (source_.calls_program) check_program();
     if (!source_.simulates) check_dataset();
@@ -35,39 +36,6 @@ class SourceChecker : Checker {
   }
 
  private:
-  void leave_out(std::initializer_list<const char*> keys, const std::string& why) {
-    for (const char* key : keys) must_be_left_out(std::string("simulator.") + key, why);
-  }
-
-  // Settings that mean nothing to this kind of source.
-  void check_settings() {
-    const bool exchanges_files = study_.external.command.has_value();
-    const bool is_described = !source_.describes_itself;
-    if (!exchanges_files) leave_out({"format"}, "it belongs to simulator.command");
-    if (!source_.calls_program) {
-      leave_out({"start_time", "retries", "parallel_calls"},
-                "it belongs to simulator.command and simulator.worker");
-    }
-    if (!source_.runs_users_code()) {
-      leave_out({"folder", "files", "time_limit"}, "it belongs to simulators of the user's");
-    } else {
-      check_files();
-    }
-    if (!is_described) leave_out({"parameter"}, "a " + what_ + " describes its own");
-    if (!study_.external.library) leave_out({"settings"}, "it belongs to simulator.library");
-    if (!source_.gives_motion || (source_.describes_itself && !study_.external.mjcf)) {
-      leave_out({"states", "actions"},
-                source_.gives_motion ? "a " + what_ + " describes its own" : no_rollouts());
-    }
-    if (source_.is_built_in || !source_.gives_motion) {
-      leave_out({"dt", "num_steps", "initial_states", "goal"},
-                "it belongs to simulators of the user's that give rollouts");
-    }
-    if (!source_.is_built_in) {
-      leave_out({"integrator", "substeps", "minigolf"}, "it means nothing to a " + what_);
-    }
-  }
-
   void check_files() {
     for (const std::string& name : study_.external.files) {
       const std::filesystem::path path = std::filesystem::path(study_.external.folder) / name;
@@ -141,8 +109,10 @@ class SourceChecker : Checker {
     const ExternalConfig& external = study_.external;
     const bool needs_none = !study_.target.truth || study_.target.inputs;
     if (needs_none) {
-      leave_out({"dt", "num_steps", "initial_states"},
-                study_.target.truth ? "target.inputs says it" : "the recording says it");
+      for (const char* key : {"simulator.dt", "simulator.num_steps", "simulator.initial_states"}) {
+        must_be_left_out(key,
+                         study_.target.truth ? "target.inputs says it" : "the recording says it");
+      }
       return;
     }
     const std::string why =
@@ -179,7 +149,6 @@ class SourceChecker : Checker {
   }
 
   void check_motion() {
-    must_be_left_out("simulator.features", "the simulator has state channels");
     must_be_left_out("target.observation", "it is for a simulator.command or dataset");
     if (!source_.is_built_in) {
       check_channels();
@@ -199,7 +168,6 @@ class SourceChecker : Checker {
   }
 
   void check_unused() {
-    leave_out({"segment_length", "store_every"}, "it means nothing to a " + what_);
     for (const char* path : {"target.recording", "target.inputs", "target.rollouts",
                              "target.num_rollouts", "target.held_out", "evaluate.leave_out"}) {
       must_be_left_out(path, no_rollouts());

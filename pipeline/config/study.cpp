@@ -74,10 +74,13 @@ bool infers(const MethodConfig& method) {
   return family_of(method) != inference::AlgorithmFamily::fixed;
 }
 
-bool learns(const MethodConfig& method) {
+bool learns_from_rounds(inference::Algorithm algorithm) {
   using enum inference::AlgorithmFamily;
-  return family_of(method) == network || family_of(method) == abc;
+  const inference::AlgorithmFamily family = inference::traits_of(algorithm).family;
+  return family == network || family == abc;
 }
+
+bool learns(const MethodConfig& method) { return learns_from_rounds(method.algorithm.kind); }
 
 bool DiagnoseConfig::has(Check check) const {
   return std::ranges::find(checks, check) != checks.end();

@@ -147,6 +147,12 @@ struct MethodConfig {
   std::map<std::string, PublishedFigure> published;  ///< by metric
 };
 
+/// The table [simulator] as a whole.
+struct SimulatorTable {
+  sim::SimulatorConfig built_in;
+  ExternalConfig external;
+};
+
 struct Study {
   std::string name;
   std::vector<std::uint64_t> seeds = {1};  ///< distinct experiments
@@ -190,6 +196,8 @@ inference::AlgorithmFamily family_of(const MethodConfig& method);
 bool infers(const MethodConfig& method);
 /// Whether it does from simulations that it is given, by a network or those near the observation.
 bool learns(const MethodConfig& method);
+/// Whether an algorithm learns from rounds of simulations.
+bool learns_from_rounds(inference::Algorithm algorithm);
 
 /// The names of what a study measures: its metrics, and again with the prefix "held_out_" when
 /// there are held-out rollouts.

@@ -48,7 +48,6 @@ class StudyChecker : Checker {
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
       check_method(study_, i, info_ ? &*info_ : nullptr, reading_);
     }
-    check_unused_settings();
     check_diagnose();
     check_references();
     check_goal();
@@ -70,7 +69,6 @@ class StudyChecker : Checker {
   void check_values(const std::string& path, const Numbers& values);
   void check_marginal(Marginal& marginal);
   void check_method_names();
-  void check_unused_settings();
   void check_diagnose();
   void check_references();
   void check_goal();
@@ -172,14 +170,6 @@ void StudyChecker::check_marginal(Marginal& marginal) {
   if (parameter == nullptr || !reading_.good(path)) return;
   marginal.unit = parameter->unit;
   check_bounds(marginal, *parameter, reading_);
-}
-
-void StudyChecker::check_unused_settings() {
-  if (!info_ || !study_.source().is_built_in) return;
-  for (const std::string& setting : sim::unused_settings(info_->name)) {
-    must_be_left_out("simulator." + setting,
-                     fmt::format("it means nothing to the simulator '{}'", info_->name));
-  }
 }
 
 // An observation is judged by the simulations of all rounds.

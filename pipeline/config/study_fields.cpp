@@ -63,6 +63,28 @@ Constraint<std::string> simulator_constraint() {
   return constraint;
 }
 
+FieldUse use_of_built_in(const sim::SimulatorConfig& simulator, const SourceTraits& source,
+                         const std::string& key) {
+  if (!source.is_built_in) {
+    return {.unused = unless(false, fmt::format("it means nothing to a {}", source.name))};
+  }
+  const auto names = sim::simulator_names();
+  if (std::ranges::count(names, simulator.name) == 0) return {};
+  const auto unused = sim::unused_settings(simulator.name);
+  return {.unused = unless(std::ranges::count(unused, key) == 0,
+                           fmt::format("it means nothing to the simulator '{}'", simulator.name))};
+}
+
+FieldUse use_of_algorithm(inference::Algorithm algorithm, bool reads, Affects affects) {
+  const std::string why = fmt::format("it means nothing to the algorithm '{}'", name_of(algorithm));
+  return {.affects = affects, .unused = unless(reads, why), .settable = true};
+}
+
+FieldUse use_of_iterations(const MethodConfig& method, const PolicyConfig& policy, bool reads) {
+  if (policy.is_used()) return use_of_algorithm(method.algorithm.kind, reads, Affects::elsewhere);
+  return {.affects = Affects::elsewhere, .unused = " without a table [policy]", .omitted = true};
+}
+
 Constraint<double> quantile_constraint() {
   return {"> 0 and <= 1", [](double v) { return v > 0.0 && v <= 1.0; }};
 }

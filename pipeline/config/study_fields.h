@@ -2,10 +2,10 @@
 /// documentation. The visitors that walk it read TOML (toml_fields.h), write and read JSON
 /// (json_fields.h) and list the keys (study_keys.h), so that none of them can forget a field.
 ///
-/// A visitor has three members:
-///   f(key, value, constraint, doc)       a field; a default that isn't allowed makes it required
-///   f.table(key, doc, body)              a table: body(visitor of its members)
-///   f.list(key, values, minimum, doc, body)
+/// A visitor has three members, whose last argument may be left out (field_use.h):
+///   f(key, value, constraint, doc, use)  a field; a default that isn't allowed makes it required
+///   f.table(key, doc, body, use)         a table: body(visitor of its members)
+///   f.list(key, values, minimum, doc, body, use)
 ///                                        a list of tables: body(visitor of its members, element)
 #pragma once
 
@@ -18,6 +18,7 @@
 #include "pipeline/config/choice_field.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/field_types.h"
+#include "pipeline/config/field_use.h"
 #include "pipeline/config/simulator_fields.h"
 #include "pipeline/config/study.h"
 
@@ -158,7 +159,8 @@ void describe(Fields& f, inference::LinearRegressionConfig& c) {
 template <class Fields>
 void describe(Fields& f, RefineConfig& c) {
   f("start", c.start, anything<std::string>(),
-    "the method whose posterior is refined; empty: begin with the prior");
+    "the method whose posterior is refined; empty: begin with the prior",
+    {.affects = Affects::elsewhere});
   f("likelihood_power", c.sampling.likelihood_power, quantile_constraint(),
     "of the likelihood; below 1 for simulators that can't reproduce the recording");
   f("cross_validate", c.sampling.cross_validate, anything<bool>(),
@@ -173,20 +175,31 @@ void describe(Fields& f, RefineConfig& c) {
     "in all, at most; at least three levels");
 }
 
+/// Use of a setting that not all algorithms read: `reads` says whether this one does.
+FieldUse use_of_algorithm(inference::Algorithm algorithm, bool reads,
+                          Affects affects = Affects::results);
+
 template <class Fields>
 void describe(Fields& f, inference::AlgorithmConfig& c) {
+  using enum inference::Algorithm;
+  const FieldUse of_rounds =
+      use_of_algorithm(c.kind, learns_from_rounds(c.kind), Affects::elsewhere);
   choice(f, "algorithm", c.kind, "inference algorithm");
-  f("num_rounds", c.num_rounds, rounds_constraint(),
-    "rounds of proposing, simulating and training");
-  f("num_simulations", c.num_simulations, count_from(1), "simulations per round");
+  f("num_rounds", c.num_rounds, rounds_constraint(), "rounds of proposing, simulating and training",
+    of_rounds);
+  f("num_simulations", c.num_simulations, count_from(1), "simulations per round", of_rounds);
   f("num_atoms", c.num_atoms, count_from(2),
-    "parameter sets that the atomic loss and \"nre_b\" compare per simulation");
+    "parameter sets that the atomic loss and \"nre_b\" compare per simulation",
+    use_of_algorithm(c.kind, c.kind == npe_c || c.kind == nre_b));
   f("component_perturbation", c.component_perturbation, not_negative(),
-    "\"npe_a\": noise on the Gaussians that its last round makes of one");
+    "\"npe_a\": noise on the Gaussians that its last round makes of one",
+    use_of_algorithm(c.kind, c.kind == npe_a));
   choice(f, "loss", c.loss,
-         "loss of later rounds; \"analytic\" needs \"mdn\"; \"auto\": that there, else \"atomic\"");
+         "loss of later rounds; \"analytic\" needs \"mdn\"; \"auto\": that there, else \"atomic\"",
+         use_of_algorithm(c.kind, c.kind == npe_c));
   f("combined_loss", c.combined_loss, anything<bool>(),
-    "atomic loss: also fit the simulations of the prior by maximum likelihood");
+    "atomic loss: also fit the simulations of the prior by maximum likelihood",
+    use_of_algorithm(c.kind, c.kind == npe_c));
 }
 
 template <class Fields>
@@ -195,30 +208,56 @@ void describe(Fields& f, PublishedFigure& c) {
   f("std", c.std, not_negative(), "published standard deviation");
 }
 
+/// Use of a method's setting that means something with [policy] alone.
+FieldUse use_of_iterations(const MethodConfig& method, const PolicyConfig& policy, bool reads);
+
+/// `policy`: of its study.
 template <class Fields>
-void describe(Fields& f, MethodConfig& c) {
-  f("name", c.name, label(), "column title in the tables; unique");
+void describe(Fields& f, MethodConfig& c, const PolicyConfig& policy = {}) {
+  using enum inference::AlgorithmFamily;
+  const inference::Algorithm algorithm = c.algorithm.kind;
+  const inference::AlgorithmFamily family = inference::traits_of(algorithm).family;
+  const auto use_of = [&](bool reads, Affects affects = Affects::results) {
+    return use_of_algorithm(algorithm, reads, affects);
+  };
+  f("name", c.name, label(), "column title in the tables; unique", {.affects = Affects::report});
   describe(f, c.algorithm);
   f("num_rollouts", c.num_rollouts, count_from(0),
-    "use the first k rollouts of the target only; 0: all");
+    "use the first k rollouts of the target only; 0: all", use_of(infers(c)));
   f("num_iterations", c.num_iterations, between(1, 1000),
-    "with [policy]: how often rollouts are collected and a policy is searched");
+    "with [policy]: how often rollouts are collected and a policy is searched",
+    use_of_iterations(c, policy, infers(c)));
   f("policy_iterations", c.policy_iterations, between(1, 100'000),
-    "with [policy]: steps of each policy search");
-  f.table("embedding", "the features that inference sees",
-          [&](auto& t) { describe(t, c.embedding); });
-  f.table("density_estimator", "the network that learns the posterior",
-          [&](auto& t) { describe(t, c.density_estimator); });
-  f.table("training", "how the network is trained", [&](auto& t) { describe(t, c.training); });
-  f.table("sampler", "how posteriors of a learned likelihood or ratio are sampled",
-          [&](auto& t) { describe(t, c.sampler); });
-  f.table("abc", "approximate Bayesian computation: \"abc_rejection\", \"abc_mcmc\", \"abc_smc\"",
-          [&](auto& t) { describe(t, c.abc); });
-  f.table("linear_regression", "the algorithm \"linear_regression\"",
-          [&](auto& t) { describe(t, c.linear_regression); });
-  f.table("refine", "the algorithm \"refine\"", [&](auto& t) { describe(t, c.refine); });
+    "with [policy]: steps of each policy search", use_of_iterations(c, policy, true));
+  // Distances of trajectories look at no embedding.
+  const bool is_embedded = family != abc || c.abc.distance == inference::AbcDistance::euclidean;
+  f.table(
+      "embedding", "the features that inference sees", [&](auto& t) { describe(t, c.embedding); },
+      use_of(learns_from_rounds(algorithm), is_embedded ? Affects::results : Affects::elsewhere));
+  f.table(
+      "density_estimator", "the network that learns the posterior",
+      [&](auto& t) { describe(t, c.density_estimator); }, use_of(family == network));
+  f.table(
+      "training", "how the network is trained", [&](auto& t) { describe(t, c.training); },
+      use_of(family == network));
+  f.table(
+      "sampler", "how posteriors of a learned likelihood or ratio are sampled",
+      [&](auto& t) { describe(t, c.sampler); },
+      use_of(inference::traits_of(algorithm).role != inference::NetworkRole::posterior));
+  f.table(
+      "abc", "approximate Bayesian computation: \"abc_rejection\", \"abc_mcmc\", \"abc_smc\"",
+      [&](auto& t) { describe(t, c.abc); }, use_of(family == abc));
+  f.table(
+      "linear_regression", "the algorithm \"linear_regression\"",
+      [&](auto& t) { describe(t, c.linear_regression); }, use_of(family == regression));
+  FieldUse of_refinements = use_of(family == likelihood);
+  of_refinements.omitted = family != likelihood;
+  f.table(
+      "refine", "the algorithm \"refine\"", [&](auto& t) { describe(t, c.refine); },
+      of_refinements);
   f("published", c.published, anything<std::map<std::string, PublishedFigure>>(),
-    "somebody's figures to print beside ours, by metric: mean and std");
+    "somebody's figures to print beside ours, by metric: mean and std",
+    use_of(infers(c), Affects::report));
 }
 
 template <class Fields>
@@ -251,20 +290,32 @@ template <class Fields>
 void describe(Fields& f, ObservationNoise& c) {
   f("scale", c.scale, not_negative(),
     "standard deviation / largest recorded magnitude of the channel in a rollout");
+  const auto without = [&](const char* number, bool is_given) {
+    const std::string key = std::string("observation_noise.") + number;
+    return FieldUse{.unused = unless(!is_given, key + " is given")};
+  };
+  const FieldUse of_noise = {.unused = unless(!c.is_silent(),
+                                              "there is no noise without observation_noise.scale, "
+                                              "scale_prior or std")};
   f("scale_prior", c.scale_prior, noise_prior(0.0, "scale"),
-    "[median, deviation of the logarithm], in place of scale: it isn't known");
+    "[median, deviation of the logarithm], in place of scale: it isn't known",
+    without("scale", c.scale > 0.0));
   f("std", c.std, few_numbers(),
     "standard deviation of some channels in their units, in place of scale: { theta = 0.01 }");
   f("correlation", c.correlation, correlation_constraint(),
-    "of neighboring stored states' noise, which begins anew in each segment; none when left out");
+    "of neighboring stored states' noise, which begins anew in each segment; none when left out",
+    of_noise);
   f("correlation_prior", c.correlation_prior, noise_prior(0.0, "correlation", 1.0),
-    "[median, deviation of log(c / (1 - c))], in place of correlation");
+    "[median, deviation of log(c / (1 - c))], in place of correlation",
+    c.is_silent() ? of_noise : without("correlation", c.correlation.has_value()));
   f("degrees_of_freedom", c.degrees_of_freedom, degrees_constraint(),
-    "of Student's t, in place of Gaussian noise");
+    "of Student's t, in place of Gaussian noise", of_noise);
   f("degrees_of_freedom_prior", c.degrees_of_freedom_prior, noise_prior(1.0, "degrees of freedom"),
-    "[median, deviation of log(nu - 1)], in place of degrees_of_freedom");
+    "[median, deviation of log(nu - 1)], in place of degrees_of_freedom",
+    c.is_silent() ? of_noise : without("degrees_of_freedom", c.degrees_of_freedom.has_value()));
   f("redraw", c.redraw, anything<bool>(),
-    "fresh noise in each training epoch, instead of once per simulation");
+    "fresh noise in each training epoch, instead of once per simulation",
+    {.affects = Affects::training});
 }
 
 template <class Fields>
@@ -286,11 +337,13 @@ void describe(Fields& f, DiagnoseConfig& c) {
           "what posteriors are checked by; all of them when left out, [] for none; without the "
           "table, those that cost little");
   f("num_simulations", c.num_simulations, between(inference::kFewestSimulations, 1'000'000),
-    "fresh draws of the prior that are simulated, to calibrate with");
+    "fresh draws of the prior that are simulated, to calibrate with",
+    {.affects = c.calibrates() ? Affects::results : Affects::report});
   f("num_samples", c.num_samples, between(inference::kFewestSimulations, 1'000'000),
     "posterior samples per observation");
   f("alpha", c.alpha, strictly_between(0, 1),
-    "probability that a method without fault fails any of its checks");
+    "probability that a method without fault fails any of its checks",
+    {.affects = Affects::report});
 }
 
 template <class Fields>
@@ -304,6 +357,14 @@ void describe(Fields& f, PolicyGridAxis& c) {
 
 template <class Fields>
 void describe(Fields& f, PolicyConfig& c) {
+  using enum inference::PolicyOptimizerKind;
+  const FieldUse of_task = {.affects = Affects::task}, of_tests = {.affects = Affects::elsewhere};
+  const auto only_of = [&](inference::PolicyOptimizerKind optimizer) {
+    return FieldUse{.unused = unless(c.search.kind == optimizer,
+                                     fmt::format("it means nothing to the optimizer '{}'",
+                                                 name_of(c.search.kind))),
+                    .settable = true};
+  };
   choice(f, "optimizer", c.search.kind, "how policies are searched for; \"power\" when left out");
   f("population", c.search.population, between(2, 100'000),
     "candidates per search iteration, beside the current policy");
@@ -312,26 +373,30 @@ void describe(Fields& f, PolicyConfig& c) {
   f("num_initial_states", c.num_initial_states, between(1, 1'000'000),
     "initial states that each candidate is tried from, for each of them");
   f("num_test_states", c.num_test_states, between(20, 1'000'000),
-    "initial states that a policy is tested from");
-  f("num_steps", c.num_steps, count_from(0), "of a rollout; 0: as many as the simulator has");
+    "initial states that a policy is tested from", of_tests);
+  f("num_steps", c.num_steps, count_from(0), "of a rollout; 0: as many as the simulator has",
+    of_task);
   f("initial", c.initial, few_numbers(),
-    "parameters of the policy that begin elsewhere: { energy_gain = 30.0 }");
+    "parameters of the policy that begin elsewhere: { energy_gain = 30.0 }", of_task);
   f("model", c.model, few_numbers(),
-    "domain parameters that the policy believes in, in place of the nominal ones");
+    "domain parameters that the policy believes in, in place of the nominal ones", of_task);
   f("initial_std", c.search.initial_std, positive(),
     "deviation of the first candidates, in the coordinates of the search");
   f("min_std", c.search.min_std, positive(),
     "the deviation never falls below, in any direction; <= initial_std");
   f("num_importance_samples", c.search.num_importance_samples, between(1, 100'000),
-    "\"power\": the best candidates so far, of which the next policy is made");
+    "\"power\": the best candidates so far, of which the next policy is made", only_of(power));
   f("elite_fraction", c.search.elite_fraction, quantile_constraint(),
-    "\"cross_entropy\": share of the candidates of which the next policy is made");
+    "\"cross_entropy\": share of the candidates of which the next policy is made",
+    only_of(cross_entropy));
   f("smoothing", c.search.smoothing, quantile_constraint(),
-    "\"cross_entropy\": weight of the new distribution against the old one");
-  f.table("grid", "domain parameters that policies are tested on", [&](auto& grid) {
+    "\"cross_entropy\": weight of the new distribution against the old one",
+    only_of(cross_entropy));
+  const auto describe_grid = [&](auto& grid) {
     grid.table("x", "one axis of the grid", [&](auto& t) { describe(t, c.grid.x); });
     grid.table("y", "the other axis", [&](auto& t) { describe(t, c.grid.y); });
-  });
+  };
+  f.table("grid", "domain parameters that policies are tested on", describe_grid, of_tests);
 }
 
 template <class Fields>
@@ -395,37 +460,48 @@ void describe(Fields& f, ClusterConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, Study& c) {
+  const FieldUse by_plan = {.affects = Affects::elsewhere};
+  const FieldUse of_report = {.affects = Affects::report};
   f.table("study", "what the study is called and repeated over", [&](auto& t) {
-    t("name", c.name, folder_name(), "names the study's folder and its report");
+    t("name", c.name, folder_name(), "names the study's folder and its report", of_report);
     t("seeds", c.seeds, seeds_constraint(),
-      "one experiment each; tables report mean and standard deviation");
+      "one experiment each; tables report mean and standard deviation", by_plan);
   });
-  f.table("target", "the target domain, whose motion is explained",
-          [&](auto& t) { describe(t, c.target); });
+  f.table(
+      "target", "the target domain, whose motion is explained",
+      [&](auto& t) { describe(t, c.target); }, by_plan);
   f.table("simulator", "the simulator whose parameters are inferred", [&](auto& t) {
-    describe(t, c.simulator);
+    describe(t, c.simulator, c.source());
     describe(t, c.external);
   });
   f("prior", c.prior, prior_constraint(),
-    "parameter = " + marginal_words() + "; the rest stay nominal");
+    "parameter = " + marginal_words() + "; the rest stay nominal", by_plan);
   f.table("observation_noise", "noise on the simulated states that the inference sees",
           [&](auto& t) { describe(t, c.observation_noise); });
-  f.table("simulate", "how simulations are cut into jobs", [&](auto& t) {
+  const auto describe_simulate = [&](auto& t) {
     t("shard_size", c.simulate.shard_size, count_from(1),
       "simulations per job: what is scheduled, retried and resumed");
-  });
-  f.list("method", c.methods, 1, "a method to compare", [](auto& t, auto& m) { describe(t, m); });
-  f.table("evaluate", "how posteriors are judged", [&](auto& t) { describe(t, c.evaluate); });
+  };
+  f.table("simulate", "how simulations are cut into jobs", describe_simulate, of_report);
+  f.list("method", c.methods, 1, "a method to compare",
+         [&](auto& t, auto& m) { describe(t, m, c.policy); });
+  f.table(
+      "evaluate", "how posteriors are judged", [&](auto& t) { describe(t, c.evaluate); }, by_plan);
   f.table("diagnose", "how posteriors are checked", [&](auto& t) { describe(t, c.diagnose); });
-  f.table("policy", "search for a policy", [&](auto& t) { describe(t, c.policy); });
-  f.list("reference", c.references, 0, "a parameter vector to compare posteriors with",
-         [](auto& t, auto& r) { describe(t, r); });
-  f.table("limits", "when to give up", [&](auto& t) {
+  f.table("policy", "search for a policy", [&](auto& t) { describe(t, c.policy); },
+          {.omitted = !c.policy.is_used()});
+  f.list(
+      "reference", c.references, 0, "a parameter vector to compare posteriors with",
+      [](auto& t, auto& r) { describe(t, r); }, by_plan);
+  const auto describe_limits = [&](auto& t) {
     t("max_failed_fraction", c.limits.max_failed_fraction, between(0, 1),
       "share of failed simulations above which the study stops, with exit status 3");
-  });
-  f.table("report", "how results are shown", [&](auto& t) { describe(t, c.report); });
-  f.table("cluster", "how a batch system runs the study", [&](auto& t) { describe(t, c.cluster); });
+  };
+  f.table("limits", "when to give up", describe_limits, of_report);
+  f.table(
+      "report", "how results are shown", [&](auto& t) { describe(t, c.report); }, of_report);
+  f.table("cluster", "how a batch system runs the study", [&](auto& t) { describe(t, c.cluster); },
+          {.affects = Affects::nothing});
 }
 
 }  // namespace npdr::pipeline

@@ -5,15 +5,35 @@
 
 namespace npdr::pipeline {
 
+namespace {
+
 template <class Config>
-Json to_json(const Config& config) {
-  Config copy = config;  // the description is the readers' too and takes what it can change
-  JsonWriter writer;
-  describe(writer, copy);
+Json write(Config copy, std::function<bool(const FieldUse&)> is_kept) {
+  JsonWriter writer(std::move(is_kept));
+  describe(writer, copy);  // it is the readers', too, and takes what it can change
   return writer.json();
 }
 
+}  // namespace
+
+template <class Config>
+Json to_json(const Config& config) {
+  return write(config, nullptr);
+}
+
 Json to_json(const Study& study) { return to_json<Study>(study); }
+
+template <class Config>
+Json key_json(const Config& config, Affects affects) {
+  return write(config, [affects](const FieldUse& use) {
+    return use.affects == affects && use.unused.empty();
+  });
+}
+
+Json document_json(const Study& study) {
+  return write(study,
+               [](const FieldUse& use) { return use.affects != Affects::nothing && !use.omitted; });
+}
 
 Json to_json(const std::vector<inference::Marginal>& prior) { return json_value(prior); }
 
@@ -46,6 +66,12 @@ template Json to_json(const ObservationNoise&);
 template Json to_json(const MethodConfig&);
 template Json to_json(const DiagnoseConfig&);
 template Json to_json(const PolicyConfig&);
+
+template Json key_json(const SimulatorTable&, Affects);
+template Json key_json(const ObservationNoise&, Affects);
+template Json key_json(const MethodConfig&, Affects);
+template Json key_json(const DiagnoseConfig&, Affects);
+template Json key_json(const PolicyConfig&, Affects);
 
 template sim::SimulatorConfig from_json(const Json&, const std::string&);
 template SimulatorTable from_json(const Json&, const std::string&);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "pipeline/config/field_use.h"
 #include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
@@ -22,6 +23,14 @@ template <class Config>
 nlohmann::ordered_json to_json(const Config& config);
 
 nlohmann::ordered_json to_json(const std::vector<inference::Marginal>& prior);
+
+/// The fields of a part that mean something and whose values are part of these artefacts' keys.
+/// Config is one of SimulatorTable, ObservationNoise, MethodConfig, DiagnoseConfig, PolicyConfig.
+template <class Config>
+nlohmann::ordered_json key_json(const Config& config, Affects affects = Affects::results);
+
+/// The study without what affects nothing, and without fields that its documents are older than.
+nlohmann::ordered_json document_json(const Study& study);
 
 /// The inverse of to_json() for the parts that a posterior artefact needs to be used again: Config
 /// is one of sim::SimulatorConfig, SimulatorTable, inference::EmbeddingConfig, EstimatorConfig,

@@ -43,20 +43,21 @@ class KeyLister {
 
   template <class T, class C>
   void operator()(const std::string& key, const T& value, const Constraint<C>& allowed,
-                  std::string_view doc) {
+                  std::string_view doc, const FieldUse& /*use*/ = {}) {
     all_.keys.push_back({prefix_ + key, type_name<T>(), default_text(value, allowed), allowed.words,
                          allowed.names, std::string(doc)});
   }
 
   template <class Body>
-  void table(const std::string& key, std::string_view doc, const Body& body) {
+  void table(const std::string& key, std::string_view doc, const Body& body,
+             const FieldUse& /*use*/ = {}) {
     KeyLister members = below(key, doc);
     body(members);
   }
 
   template <class T, class Body>
   void list(const std::string& key, std::vector<T>& /*values*/, int /*minimum*/,
-            std::string_view doc, const Body& body) {
+            std::string_view doc, const Body& body, const FieldUse& /*use*/ = {}) {
     KeyLister members = below(key, doc);
     T element;
     body(members, element);

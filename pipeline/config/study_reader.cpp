@@ -65,12 +65,15 @@ void resolve_networks(MethodConfig& method, std::size_t i, const Reading& readin
 // A method that names no algorithm means NPE-C by what that alone has.
 void resolve_algorithm(MethodConfig& method, std::size_t i, const Reading& reading) {
   constexpr auto npe_c = inference::Algorithm::npe_c;
-  const std::string path = "method[" + std::to_string(i) + "].";
-  if (reading.has(path + "algorithm")) return;
-  const auto settings = split(std::string(inference::traits_of(npe_c).settings), ' ');
-  const bool has_setting = std::ranges::any_of(
-      settings, [&](const std::string& setting) { return reading.has(path + setting); });
-  if (has_setting) method.algorithm.kind = npe_c;
+  const std::string path = "method[" + std::to_string(i) + "]";
+  if (reading.has(path + ".algorithm")) return;
+  const auto means_npe_c = [&](const UnusedField& field) {
+    const std::string setting = field.path.substr(path.size() + 1);
+    return field.use.settable && reading.has(field.path) && reads_setting(npe_c, setting);
+  };
+  if (std::ranges::any_of(unused_fields(method, {}, path), means_npe_c)) {
+    method.algorithm.kind = npe_c;
+  }
 }
 
 // A network sees principal components of all steps where nothing else is said, some for each

@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/field_types.h"
+#include "pipeline/config/field_use.h"
 #include "pipeline/config/toml_values.h"
 
 namespace npdr::pipeline {
@@ -21,7 +22,7 @@ class TomlFields {
 
   template <class T, class C>
   void operator()(const std::string& key, T& value, const Constraint<C>& allowed,
-                  std::string_view /*doc*/) {
+                  std::string_view /*doc*/, const FieldUse& /*use*/ = {}) {
     const std::string path = below(key);
     const toml::node* node = look_up(key);
     if (node == nullptr) {
@@ -42,7 +43,8 @@ class TomlFields {
 
   /// A table below this one; `body` describes it.
   template <class Body>
-  void table(const std::string& key, std::string_view /*doc*/, const Body& body) {
+  void table(const std::string& key, std::string_view /*doc*/, const Body& body,
+             const FieldUse& /*use*/ = {}) {
     const toml::node* node = look_up(key);
     if (node != nullptr && !node->is_table()) {
       reading_.fail(below(key), must_be(display(below(key)), found_text(*node), "a table"));
@@ -57,7 +59,7 @@ class TomlFields {
   /// and holds at most 1000 of them.
   template <class T, class Body>
   void list(const std::string& key, std::vector<T>& values, int minimum, std::string_view /*doc*/,
-            const Body& body) {
+            const Body& body, const FieldUse& /*use*/ = {}) {
     const toml::node* node = look_up(key);
     if (node == nullptr && minimum == 0) return;
     if (node == nullptr || !node->is_array_of_tables()) {

@@ -144,7 +144,7 @@ std::size_t PlanBuilder::add_baseline(std::size_t target) {
 void PlanBuilder::add_scoring(Json& json) const {
   if (!plan_.study.source().gives_motion) return;
   json["store_every"] = plan_.study.simulator.store_every;
-  json["observation_noise"] = noise_json(plan_.study.observation_noise);
+  json["observation_noise"] = key_json(plan_.study.observation_noise);
 }
 
 void PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target,
@@ -289,7 +289,7 @@ std::size_t PlanBuilder::add_refinement(const MethodConfig& method, const Use& u
   json["refinement_version"] = kRefinementCheckpointSchema.version;
   json["simulator"] = keys_.rows;
   json["prior"] = to_json(plan_.study.prior);
-  json["observation_noise"] = noise_json(plan_.study.observation_noise);
+  json["observation_noise"] = key_json(plan_.study.observation_noise);
   json["seed"] = use.seed;
   if (use.iteration > 1) json["iteration"] = use.iteration;
   Inputs inputs = {{"target", target}};
@@ -321,11 +321,7 @@ std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& us
                                        std::size_t target, const Rounds& rounds) {
   Json json = key_document(kDiagnosisSchema);
   const DiagnoseConfig diagnose = plan_.study.diagnose_of(method).of_diagnosis();
-  const Json settings = to_json(diagnose);
-  for (const auto& [key, value] : settings.items()) {
-    if (key != "alpha") json[key] = value;  // the verdict is the report's
-  }
-  if (!diagnose.calibrates()) json.erase("num_simulations");
+  json.update(key_json(diagnose));
   json["simulator"] = keys_.rows;
   json["embedding"] = to_json(method.embedding);
   json["num_rollouts"] = method.num_rollouts;

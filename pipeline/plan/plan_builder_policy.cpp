@@ -1,7 +1,6 @@
 // The part of a plan that is about policies.
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/plan/key_parts.h"
 #include "pipeline/plan/plan_builder.h"
 
 namespace npdr::pipeline {
@@ -27,7 +26,7 @@ std::size_t PlanBuilder::add_collection(const MethodConfig& method, const Use& u
   json["truth"] = *study.target.truth;
   json["num_rollouts"] = method.num_rollouts > 0 ? method.num_rollouts : study.target.num_rollouts;
   if (study.target.held_out > 0) json["held_out"] = study.target.held_out;
-  json["task"] = policy_task_json(study.policy);
+  json["task"] = key_json(study.policy, Affects::task);
   json["seed"] = use.seed;
   json["iteration"] = use.iteration;
   return add(Stage::target, json, use, {{"target", earlier}, {"policy", policy}});
@@ -39,8 +38,8 @@ std::size_t PlanBuilder::add_policy(const MethodConfig& method, const Use& use,
   const Study& study = plan_.study;
   Json json = key_document(kPolicySchema);
   json["simulator"] = keys_.truth;
-  json["task"] = policy_task_json(study.policy);
-  json["search"] = policy_search_json(study.policy);
+  json["task"] = key_json(study.policy, Affects::task);
+  json["search"] = key_json(study.policy);
   json["num_iterations"] = method.policy_iterations;
   json["seed"] = use.seed;
   json["iteration"] = use.iteration;
@@ -62,7 +61,7 @@ std::optional<std::size_t> PlanBuilder::add_policy_test(const Use& use,
   if (!study.target.truth && !study.policy.grid.is_used()) return std::nullopt;
   Json json = key_document(kPolicyTestSchema);
   json["simulator"] = keys_.truth;
-  json["task"] = policy_task_json(study.policy);
+  json["task"] = key_json(study.policy, Affects::task);
   if (study.target.truth) json["truth"] = *study.target.truth;
   if (study.policy.grid.is_used()) json["grid"] = grid_json(study.policy.grid);
   json["num_test_states"] = study.policy.num_test_states;

@@ -37,10 +37,7 @@ Json without(Json json, const std::string& setting) {
 // segment.
 SourceKeys BuiltInSource::keys() const {
   SourceKeys keys;
-  keys.rows = to_json(study().simulator);
-  for (const std::string& setting : sim::unused_settings(study().simulator.name)) {
-    keys.rows.erase(setting);
-  }
+  keys.rows = settings();
   const int version = sim::rollout_version(study().simulator.name);
   if (version > 1) keys.rows["version"] = version;
   keys.states = without(keys.rows, "store_every");

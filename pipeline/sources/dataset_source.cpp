@@ -125,6 +125,7 @@ SourceKeys DatasetSource::keys() const {
   theta["order"] = "random";  // of the rows, in theta as in x
   json["files"] = theta;
   json["features"] = study().external.features;
+  json.update(own_settings());
   return {json, json, json, theta};
 }
 

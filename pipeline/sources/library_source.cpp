@@ -40,10 +40,10 @@ SourceKeys LibrarySource::keys() const {
   nlohmann::ordered_json json;
   if (external.library) {
     json["library"] = file_hash(*external.library);
-    json["settings"] = nlohmann::ordered_json::parse(external.settings.json);
   } else {
     json["mjcf"] = {{"states", external.states}, {"actions", external.actions}};
   }
+  json.update(own_settings());
   Hasher fingerprint;
   fingerprint.add(simulator_->fingerprint());
   json["fingerprint"] = fingerprint.hex();

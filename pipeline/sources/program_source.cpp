@@ -167,11 +167,7 @@ SourceKeys ProgramSource::keys() const {
   json["files"] = named_.by_name();
   if (!external.files.empty()) json["further_files"] = further_.by_name();
   if (!traits().gives_motion) json["features"] = external.features;
-  external.worker ? json["worker"] = *external.worker : json["command"] = *external.command;
-  if (!external.worker) json["format"] = name_of(external.format);
-  json["time_limit"] = external.time_limit;
-  json["start_time"] = external.start_time;
-  json["retries"] = external.retries;
+  json.update(own_settings());
   json["parameters"] = study().simulator.parameters;
   for (const DescribedParameter& p : external.parameters) {
     const auto number = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };

@@ -9,6 +9,7 @@
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
 #include "pipeline/config/source_check.h"
+#include "pipeline/config/study_json.h"
 #include "pipeline/sources/built_in_source.h"
 #include "pipeline/sources/dataset_source.h"
 #include "pipeline/sources/library_source.h"
@@ -58,6 +59,16 @@ Target Source::replay_truth(Target begun, const std::filesystem::path& log) cons
         x.rollout(0, h).cast<double>();
   }
   return begun;
+}
+
+nlohmann::ordered_json Source::settings() const {
+  return key_json(SimulatorTable{study_.simulator, study_.external});
+}
+
+nlohmann::ordered_json Source::own_settings() const {
+  nlohmann::ordered_json own = settings();
+  for (const char* key : {"parameters", "segment_length", "store_every"}) own.erase(key);
+  return own;
 }
 
 SourceKeys Source::keys_of_motion(const nlohmann::ordered_json& rows) const {

@@ -68,6 +68,13 @@ class Source {
   /// x_o at the truth, of a source that gives features.
   virtual Target behave_in_features(const std::filesystem::path& log) const;
 
+  /// Settings of the table [simulator] that rows depend on as they stand; what a source notes down
+  /// in another form is not among them.
+  nlohmann::ordered_json settings() const;
+  /// The same but for nominal parameters, segments and stored states, which keys of the user's
+  /// simulators have at their end.
+  nlohmann::ordered_json own_settings() const;
+
   /// The parts of keys when `rows` is what every simulation depends on: adds segments, stored
   /// states, and how a truth's rollouts begin.
   SourceKeys keys_of_motion(const nlohmann::ordered_json& rows) const;

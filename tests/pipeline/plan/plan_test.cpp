@@ -276,14 +276,22 @@ TEST(Plan, NodesAreFoundByTheBeginningOfTheirKey) {
 
 // A study that asks for nothing new keeps what was computed before: the report's key is made of all
 // others.
-TEST(Plan, KeysOfStudiesWithoutPoliciesStay) {
-  const auto report_key = [](const std::vector<std::string>& overrides) {
-    return plan_of(overrides).node(Stage::report, {}).key;
+// A pin for each stage: a new field re-pins those that it affects. The report's key holds the whole
+// study, and changes with each.
+TEST(Plan, KeysOfEachStageStay) {
+  using Pins = std::map<Stage, std::string>;
+  const auto expect_pins = [](const std::vector<std::string>& overrides, const Pins& pins) {
+    const Plan plan = plan_of(overrides);
+    for (const auto& [stage, key] : pins) EXPECT_EQ(last_key(plan, stage), key) << name_of(stage);
   };
-  EXPECT_EQ(report_key({}), "387fd552e5eb9250317707042d2ec4fb");
-  EXPECT_EQ(report_key({"diagnose={}"}), "42c588ddad0b955758c7db854eecc46c");
-  EXPECT_EQ(report_key({"method.A.algorithm=abc_smc", "target.held_out=1", "evaluate.rounds=all"}),
-            "667113c3a2cce322c0618afeba6aba92");
+  expect_pins({"diagnose={}"}, {{Stage::target, "1cc7a0831e756f45518e9c0436612c28"},
+                                {Stage::propose, "e613be47d54d732a656955870962f1b1"},
+                                {Stage::simulate, "baa1cecaf3eea7e3132a80e83b9f9247"},
+                                {Stage::infer, "bf75625ff34e6b3b92c067884b7016cf"},
+                                {Stage::evaluate, "727e493565ae973b1bbd03eddbf0edc4"},
+                                {Stage::diagnose, "b120a37c5540b8b26c19b8d6a7c64be1"},
+                                {Stage::baseline, "f397a16268d7e4099b5e11af7ed7d6c0"}});
+  expect_pins({"target.held_out=1"}, {{Stage::held_out, "385d37349fa6f0fc8d3d23eb1ba8644b"}});
 }
 
 // The last round's posterior holds all that a population needs of the rounds before it.

@@ -1,0 +1,49 @@
+/// When a field of a study means something, and what changes with it: the part of its description
+/// (study_fields.h) that keys and checks follow from.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/config/study.h"
+
+namespace npdr::pipeline {
+
+/// The artefacts whose keys a field's value is part of. What changes any key but those of nothing
+/// changes the report's, too.
+enum class Affects {
+  results,    ///< all that its table is about: key_json() writes it as it stands
+  training,   ///< posteriors of networks alone
+  task,       ///< closed loops of a policy, and the search for it
+  elsewhere,  ///< those that a plan or a source notes down by hand: what a file holds, which rounds
+  report,     ///< the report's alone
+  nothing,
+};
+
+/// A field that says nothing means something everywhere, and affects all that its table is about.
+/// What a table says holds for its members.
+struct FieldUse {
+  Affects affects = Affects::results;
+  std::string unused = {};  ///< end of "... must be left out"; "": it means something
+  bool settable = false;    ///< by --set where it is unused: that may be meant for others
+  bool omitted = false;     ///< from documents of studies, which are older than the field
+};
+
+/// FieldUse::unused: "" where the field means something, else ": why".
+std::string unless(bool means_something, const std::string& why);
+
+/// A field, or a table as a whole, that means nothing where it is.
+struct UnusedField {
+  std::string path;
+  FieldUse use;
+};
+
+/// Those of a part of a study; `path` begins theirs. Config is one of SimulatorTable,
+/// ObservationNoise, PolicyConfig.
+template <class Config>
+std::vector<UnusedField> unused_fields(const Config& config, const std::string& path);
+/// Those of a method in a study with that policy.
+std::vector<UnusedField> unused_fields(const MethodConfig& method, const PolicyConfig& policy,
+                                       const std::string& path);
+
+}  // namespace npdr::pipeline
