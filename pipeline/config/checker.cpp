@@ -8,7 +8,6 @@
 
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/toml_document.h"
 
 namespace npdr::pipeline {
 
@@ -28,7 +27,7 @@ void Checker::must_be_left_out(const std::vector<UnusedField>& fields) {
 }
 
 bool Checker::is_in_file(const std::string& path) const {
-  return reading_.has(path) && !is_override(reading_.place(path));
+  return reading_.has(path) && !reading_.place(path).is_override();
 }
 
 bool Checker::require_known(const std::string& path, const std::string& where,

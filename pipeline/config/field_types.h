@@ -11,72 +11,38 @@
 
 namespace npdr::pipeline {
 
+/// "an integer", for a null pointer to the type.
+inline const char* type_of(const bool*) { return "true or false"; }
+inline const char* type_of(const double*) { return "a finite number"; }
+inline const char* type_of(const Index*) { return "an integer"; }
+inline const char* type_of(const std::uint64_t*) { return "an integer"; }
+inline const char* type_of(const std::string*) { return "text"; }
+inline const char* type_of(const std::vector<std::string>*) { return "a list of texts"; }
+inline const char* type_of(const std::vector<std::uint64_t>*) { return "a list of integers"; }
+inline const char* type_of(const std::vector<double>*) { return "a list of finite numbers"; }
+inline const char* type_of(const std::vector<std::vector<double>>*) {
+  return "a list of lists of finite numbers";
+}
+inline const char* type_of(const FreeTable*) { return "a table"; }
+inline const char* type_of(const std::map<std::string, double>*) {
+  return "a table of finite numbers";
+}
+inline const char* type_of(const std::map<std::string, std::string>*) { return "a table of texts"; }
+inline const char* type_of(const std::map<std::string, PublishedFigure>*) {
+  return "a table of { mean, std }";
+}
+inline const char* type_of(const std::vector<inference::Marginal>*) {
+  return "a table of distributions";
+}
 template <class T>
-struct FieldType;
-
-template <>
-struct FieldType<bool> {
-  static constexpr const char* kName = "true or false";
-};
-template <>
-struct FieldType<double> {
-  static constexpr const char* kName = "a finite number";
-};
-template <>
-struct FieldType<Index> {
-  static constexpr const char* kName = "an integer";
-};
-template <>
-struct FieldType<std::uint64_t> {
-  static constexpr const char* kName = "an integer";
-};
-template <>
-struct FieldType<std::string> {
-  static constexpr const char* kName = "text";
-};
-template <>
-struct FieldType<std::vector<std::string>> {
-  static constexpr const char* kName = "a list of texts";
-};
-template <>
-struct FieldType<std::vector<std::uint64_t>> {
-  static constexpr const char* kName = "a list of integers";
-};
-template <>
-struct FieldType<std::vector<double>> {
-  static constexpr const char* kName = "a list of finite numbers";
-};
-template <>
-struct FieldType<std::vector<std::vector<double>>> {
-  static constexpr const char* kName = "a list of lists of finite numbers";
-};
-template <>
-struct FieldType<FreeTable> {
-  static constexpr const char* kName = "a table";
-};
-template <>
-struct FieldType<std::map<std::string, double>> {
-  static constexpr const char* kName = "a table of finite numbers";
-};
-template <>
-struct FieldType<std::map<std::string, std::string>> {
-  static constexpr const char* kName = "a table of texts";
-};
-template <>
-struct FieldType<std::map<std::string, PublishedFigure>> {
-  static constexpr const char* kName = "a table of { mean, std }";
-};
-template <>
-struct FieldType<std::vector<inference::Marginal>> {
-  static constexpr const char* kName = "a table of distributions";
-};
-template <class T>
-struct FieldType<std::optional<T>> : FieldType<T> {};
+const char* type_of(const std::optional<T>*) {
+  return type_of(static_cast<const T*>(nullptr));
+}
 
 /// "an integer".
 template <class T>
 std::string type_name() {
-  return FieldType<T>::kName;
+  return type_of(static_cast<const T*>(nullptr));
 }
 
 /// "{ uniform = [low, high] }, ...": what a prior's entry must be.

@@ -7,6 +7,8 @@ std::string Place::str() const {
   return origin + ":" + std::to_string(line) + ":" + std::to_string(column);
 }
 
+bool Place::is_override() const { return origin.starts_with(kOverride); }
+
 Place Places::of(const std::string& path) const {
   const auto exact = places_.find(path);
   const bool is_known =

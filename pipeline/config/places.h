@@ -14,6 +14,17 @@ struct Place {
 
   /// "study.toml:14:9".
   std::string str() const;
+  /// Whether it is one of the command line.
+  bool is_override() const;
+};
+
+/// Begins the origin of overrides.
+inline constexpr const char* kOverride = "--set ";
+
+/// A key of a text, and its value.
+struct KeySource {
+  Place key, value;
+  int line = 0, column = 0;  ///< of the key, of overrides among each other
 };
 
 /// The places of a study's keys. Keys are dotted paths with the position in a list, such as

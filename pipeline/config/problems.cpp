@@ -32,6 +32,11 @@ void Problems::throw_if_any() const {
   throw InputError(join(lines, "\n"));
 }
 
+KeySource Reading::source(const std::string& path) const {
+  const auto found = sources_.find(path);
+  return found == sources_.end() ? KeySource{{origin()}, {origin()}} : found->second;
+}
+
 void Reading::fail(const std::string& path, const std::string& message) {
   fail(path, place(path), message);
 }

@@ -1,6 +1,7 @@
 /// Problems of a study and their places: collected, so that one run reports everything.
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -31,8 +32,21 @@ class Problems {
 class Reading {
  public:
   explicit Reading(std::string origin) : places_(std::move(origin)) {}
+  /// A part of a study in an artefact, whose values messages write as JSON.
+  static Reading of_json(std::string origin) {
+    Reading reading(std::move(origin));
+    reading.is_of_json_ = true;
+    return reading;
+  }
   /// A study that has been read before.
   explicit Reading(Places places) : places_(std::move(places)) {}
+
+  bool is_of_json() const { return is_of_json_; }
+
+  /// Notes down where the text of `path` stands, known or not.
+  void add_source(const std::string& path, KeySource source) { sources_[path] = std::move(source); }
+  /// The origin as a whole where nobody has noted it down.
+  KeySource source(const std::string& path) const;
 
   void found(const std::string& path, const Place& place) { places_.add(path, place); }
   bool has(const std::string& path) const { return places_.has(path); }
@@ -52,6 +66,8 @@ class Reading {
   Places places_;
   Problems problems_;
   std::set<std::string> failed_;
+  std::map<std::string, KeySource> sources_;
+  bool is_of_json_ = false;
 };
 
 /// "method[0].training" as people write it: "method.training".

@@ -55,6 +55,11 @@ bool is_option(const std::string& text) {
 
 }  // namespace
 
+std::string marginal_words() {
+  return "{ uniform = [low, high] }, { log_uniform = [low, high] }, { normal = [mean, std] } or "
+         "{ log_normal = [mean of log, std of log] }, of finite numbers";
+}
+
 Constraint<std::string> simulator_constraint() {
   Constraint<std::string> constraint = one_of(sim::simulator_names());
   constraint.allows = [names = constraint.allows](const std::string& value) {

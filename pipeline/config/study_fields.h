@@ -1,5 +1,5 @@
 /// One description of every field of a study: key, place in memory, what it may hold, one line of
-/// documentation. The visitors that walk it read TOML (toml_fields.h), write and read JSON
+/// documentation. The visitors that walk it read TOML (field_reader.h), write JSON
 /// (json_fields.h) and list the keys (study_keys.h), so that none of them can forget a field.
 ///
 /// A visitor has three members, whose last argument may be left out (field_use.h):

@@ -1,5 +1,10 @@
 #include "pipeline/config/study_json.h"
 
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "pipeline/config/field_reader.h"
 #include "pipeline/config/json_fields.h"
 #include "pipeline/config/study_fields.h"
 
@@ -39,20 +44,37 @@ Json to_json(const std::vector<inference::Marginal>& prior) { return json_value(
 
 template <class Config>
 Config from_json(const Json& json, const std::string& where) {
+  if (!json.is_object()) throw InputError(where + ": must be a JSON object");
   Config config;
-  JsonReader reader(json, where);
+  const nlohmann::json document = json;
+  Reading reading = Reading::of_json(where);
+  FieldReader reader(&document, "", reading);
   describe(reader, config);
   reader.reject_unknown_keys();
+  reading.problems().throw_if_any();
   return config;
 }
 
+namespace {
+
+bool read_marginal(const nlohmann::json& json, Reading& reading, inference::Marginal& marginal) {
+  return json.is_object() && json.size() == 3 && json.contains("name") && json.contains("unit") &&
+         read_value({json["name"], "name", reading}, marginal.name) &&
+         read_value({json["unit"], "unit", reading}, marginal.unit) &&
+         read_distribution({json, "", reading}, marginal);
+}
+
+}  // namespace
+
 std::vector<inference::Marginal> prior_from_json(const Json& json, const std::string& where) {
+  Reading reading = Reading::of_json(where);
   std::vector<inference::Marginal> prior;
-  if (!read_value(json, prior)) {
-    throw InputError(where + ": prior = " + shortened(json.dump()) +
-                     R"(, must be a list of {"name", "unit", "uniform": [low, high]})");
-  }
-  return prior;
+  const auto read = [&](const Json& marginal) {
+    return read_marginal(marginal, reading, prior.emplace_back());
+  };
+  if (json.is_array() && std::ranges::all_of(json, read)) return prior;
+  throw InputError(where + ": prior = " + shortened(json.dump()) +
+                   R"(, must be a list of {"name", "unit", "uniform": [low, high]})");
 }
 
 template Json to_json(const sim::SimulatorConfig&);

@@ -7,11 +7,11 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/check.h"
+#include "pipeline/config/field_reader.h"
 #include "pipeline/config/method_settings.h"
 #include "pipeline/config/study_check.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/toml_document.h"
-#include "pipeline/config/toml_fields.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -42,7 +42,7 @@ std::string read_text(const fs::path& file) {
 // A relative path of a study starts at its folder, one of the command line at the current folder.
 void resolve_path(std::optional<std::string>& value, const std::string& key, const fs::path& file,
                   const Reading& reading) {
-  if (!value || is_override(reading.place(key))) return;
+  if (!value || reading.place(key).is_override()) return;
   const fs::path path = *value;
   if (path.is_relative()) value = (file.parent_path() / path).lexically_normal();
 }
@@ -215,14 +215,11 @@ Study read_study(const fs::path& file, const std::vector<std::string>& overrides
 
 Study parse_study(std::string_view text, const fs::path& file,
                   const std::vector<std::string>& overrides, const ClusterConfig& site) {
-  toml::table document = parse_toml(text, file.string());
   Reading reading(file.string());
-  for (std::size_t i = 0; i < overrides.size(); ++i) {
-    apply_override(document, overrides[i], i, reading);
-  }
+  const nlohmann::json document = read_toml(text, overrides, reading);
   Study study;
   study.cluster = site;
-  TomlFields fields(&document, "", reading);
+  FieldReader fields(&document, "", reading);
   describe(fields, study);
   fields.reject_unknown_keys();
   resolve(study, file, reading);
@@ -233,10 +230,10 @@ Study parse_study(std::string_view text, const fs::path& file,
 }
 
 ClusterConfig read_site(const fs::path& file) {
-  const toml::table document = parse_toml(read_text(file), file.string());
   Reading reading(file.string());
+  const nlohmann::json document = read_toml(read_text(file), {}, reading);
   ClusterConfig cluster;
-  TomlFields fields(&document, "", reading);
+  FieldReader fields(&document, "", reading);
   fields.table("cluster", "", [&](auto& table) { describe(table, cluster); });
   fields.reject_unknown_keys();
   reading.problems().throw_if_any();

@@ -1,12 +1,13 @@
 #include "pipeline/config/toml_document.h"
 
 #include <fmt/format.h>
+#include <toml++/toml.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <nlohmann/json.hpp>
 #include <span>
+#include <sstream>
 #include <vector>
 
 #include "core/error.h"
@@ -19,8 +20,6 @@ namespace npdr::pipeline {
 namespace {
 
 using Path = std::vector<std::string>;
-
-constexpr std::string_view kOverride = "--set ";
 
 // toml++ destroys nested tables recursively; a key of very many parts would overflow the stack.
 constexpr std::ptrdiff_t kMaxDotsOfFile = 4'999;  // of up to 9998 levels, in 4 MB of stack
@@ -86,7 +85,7 @@ Assignment split(const std::string& text) {
     throw InputError("must be one line of the form key=value");
   }
   require_few_dots(text, kMaxDotsOfOverride);
-  return {std::string(kOverride) + text, text.substr(0, equals), text.substr(equals + 1)};
+  return {kOverride + text, text.substr(0, equals), text.substr(equals + 1)};
 }
 
 Path parse_key(const std::string& key) {
@@ -195,6 +194,13 @@ void assign(toml::table& table, std::span<const std::string> path, const Assignm
   }
 }
 
+// The origin as a whole where toml++ has no record of it.
+Place place_of(const toml::source_region& source, const std::string& origin) {
+  const std::string where = source.path ? *source.path : origin;
+  if (!source.begin || where.starts_with(kOverride)) return {where};
+  return {where, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
+}
+
 // Removes the keys that one that was set excludes.
 void keep_only(toml::table& table, const std::string& set, std::span<const char* const> rivals) {
   if (std::ranges::find(rivals, set) == rivals.end()) return;
@@ -207,7 +213,7 @@ void keep_only(toml::table& table, const std::string& set, std::span<const char*
 void erase_of_file(toml::table* table, std::initializer_list<const char*> keys) {
   for (const char* key : keys) {
     const toml::node* const value = table == nullptr ? nullptr : table->get(key);
-    if (value != nullptr && !is_override(place_of(value->source(), ""))) table->erase(key);
+    if (value != nullptr && !place_of(value->source(), "").is_override()) table->erase(key);
   }
 }
 
@@ -232,8 +238,6 @@ const char* advice_on(std::string_view description) {
   return is_bare ? "; texts stand in quotes, such as name = \"NPE\"" : "";
 }
 
-}  // namespace
-
 toml::table parse_toml(std::string_view text, const std::string& origin) {
   try {
     require_few_dots(text, kMaxDotsOfFile);
@@ -255,16 +259,70 @@ void apply_override(toml::table& document, const std::string& assignment, std::s
     assign(document, path, parts);
     remove_rival(document, path);
   } catch (const InputError& error) {
-    reading.fail("", {std::string(kOverride) + assignment}, error.what());
+    reading.fail("", {kOverride + assignment}, error.what());
   }
 }
 
-Place place_of(const toml::source_region& source, const std::string& origin) {
-  const std::string where = source.path ? *source.path : origin;
-  if (!source.begin || where.starts_with(kOverride)) return {where};
-  return {where, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
+nlohmann::json scalar(const toml::node& node) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* number = node.as_integer()) return number->get();
+  if (const auto* number = node.as_floating_point()) return number->get();
+  if (const auto* flag = node.as_boolean()) return flag->get();
+  std::ostringstream date;
+  node.visit([&](const auto& value) { date << value; });
+  const std::string text = date.str();
+  return nlohmann::json::binary({text.begin(), text.end()});
 }
 
-bool is_override(const Place& place) { return place.origin.starts_with(kOverride); }
+// Not by recursion, which tables in tables without end could take too deep.
+nlohmann::json json_of(const toml::table& document, Reading& reading) {
+  struct Item {
+    const toml::node* node;
+    nlohmann::json* json;
+    std::string path;
+  };
+  nlohmann::json root;
+  std::vector<Item> open = {{&document, &root, ""}};
+  const auto place = [&](const toml::source_region& source) {
+    return place_of(source, reading.origin());
+  };
+  while (!open.empty()) {
+    const Item item = std::move(open.back());
+    open.pop_back();
+    if (const toml::table* table = item.node->as_table()) {
+      *item.json = nlohmann::json::object();
+      for (auto&& [key, node] : *table) {
+        const std::string name(key.str());
+        const std::string path = item.path.empty() ? name : item.path + "." + name;
+        const toml::source_position begin = key.source().begin;
+        reading.add_source(path, {place(key.source()), place(node.source()),
+                                  static_cast<int>(begin.line), static_cast<int>(begin.column)});
+        open.push_back({&node, &(*item.json)[name], path});
+      }
+    } else if (const toml::array* array = item.node->as_array()) {
+      *item.json = std::vector<nlohmann::json>(array->size());
+      for (std::size_t i = 0; i < array->size(); ++i) {
+        const toml::node& node = (*array)[i];
+        const std::string path = node.is_table() ? fmt::format("{}[{}]", item.path, i) : item.path;
+        if (node.is_table()) reading.add_source(path, {{}, place(node.source())});
+        open.push_back({&node, &(*item.json)[i], path});
+      }
+    } else {
+      *item.json = scalar(*item.node);
+    }
+  }
+  return root;
+}
+
+}  // namespace
+
+nlohmann::json read_toml(std::string_view text, const std::vector<std::string>& overrides,
+                         Reading& reading) {
+  toml::table document = parse_toml(text, reading.origin());
+  for (std::size_t i = 0; i < overrides.size(); ++i) {
+    apply_override(document, overrides[i], i, reading);
+  }
+  return json_of(document, reading);
+}
 
 }  // namespace npdr::pipeline

@@ -1,0 +1,255 @@
+#include "pipeline/config/field_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "pipeline/config/study_fields.h"
+
+namespace npdr::pipeline {
+namespace {
+
+using inference::Marginal;
+
+// Dates and times, which JSON hasn't, are their text as bytes.
+std::string date_text(const FieldTree& json) {
+  return {json.get_binary().begin(), json.get_binary().end()};
+}
+
+// As TOML on one line.
+std::string inline_text(const FieldTree& json) {
+  if (json.is_string()) return quoted(json.get<std::string>());
+  if (json.is_number_float()) return fmt::format("{:#}", json.get<double>());
+  if (json.is_binary()) return date_text(json);
+  if (!json.is_structured()) return json.dump();
+  std::vector<std::string> parts;
+  for (const auto& [key, value] : json.items()) {
+    parts.push_back((json.is_object() ? key + " = " : "") + inline_text(value));
+  }
+  return json.is_object() ? "{ " + join(parts) + " }" : "[" + join(parts) + "]";
+}
+
+std::string found_text(const FieldTree& json, const Reading& reading) {
+  return shortened(reading.is_of_json() ? json.dump() : inline_text(json));
+}
+
+void fail_type(const FieldSlot& slot, const std::string& words) {
+  const std::string found = found_text(slot.json, slot.reading);
+  slot.reading.fail(slot.path, must_be(display(slot.path), found, words));
+}
+
+// The slot of a table's member, with its place noted down.
+FieldSlot member_slot(const FieldSlot& slot, const std::string& key, const FieldTree& json) {
+  const std::string path = slot.path + "." + key;
+  slot.reading.found(path, slot.reading.source(path).value);
+  return {json, path, slot.reading};
+}
+
+// Keys of a table in the order of the file; those of the command line follow in its order.
+std::vector<std::string> in_file_order(const FieldSlot& slot) {
+  std::vector<std::pair<std::tuple<bool, int, int>, std::string>> keys;
+  for (const auto& [key, json] : slot.json.items()) {
+    const KeySource source = slot.reading.source(slot.path + "." + key);
+    keys.push_back({{source.key.is_override(), source.line, source.column}, key});
+  }
+  std::ranges::sort(keys);
+  std::vector<std::string> ordered;
+  for (const auto& [rank, key] : keys) ordered.push_back(key);
+  return ordered;
+}
+
+// A distribution is a table with one member that is a list; a table of tables isn't one.
+bool has_only_tables(const FieldTree& json) {
+  return json.is_object() && !json.empty() && std::ranges::all_of(json, &FieldTree::is_object);
+}
+
+// `prefix`: the names of the tables around this one, each followed by a point.
+void read_marginals(const FieldSlot& slot, const std::string& prefix, std::set<std::string>& names,
+                    std::vector<Marginal>& value) {
+  for (const std::string& key : in_file_order(slot)) {
+    const FieldSlot member = member_slot(slot, key, slot.json.at(key));
+    const std::string name = prefix + key;
+    if (has_only_tables(member.json)) {
+      read_marginals(member, name + ".", names, value);
+      continue;
+    }
+    Marginal marginal;
+    marginal.name = name;
+    const bool is_one = member.json.is_object() && member.json.size() == 1;
+    if (!is_one || !read_distribution(member, marginal)) fail_type(member, marginal_words());
+    if (!names.insert(name).second) {
+      member.reading.fail(member.path, fmt::format("prior: {} is there twice", quoted(name)));
+    }
+    value.push_back(marginal);
+  }
+}
+
+void read_numbers(const FieldSlot& slot, const std::string& prefix,
+                  std::map<std::string, double>& value) {
+  for (const auto& [key, json] : slot.json.items()) {
+    const FieldSlot member = member_slot(slot, key, json);
+    if (json.is_object() && !json.empty()) {
+      read_numbers(member, prefix + key + ".", value);
+    } else if (double& number = value[prefix + key]; !read_value(member, number)) {
+      fail_type(member, type_name<double>());
+    }
+  }
+}
+
+// As JSON that can be written: dates, infinities and NaN as texts.
+FieldTree plain(const FieldTree& json) {
+  if (json.is_binary()) return date_text(json);
+  if (json.is_number_float() && !std::isfinite(json.get<double>())) {
+    const double number = json.get<double>();
+    return std::isnan(number) ? "NaN" : number > 0.0 ? "Infinity" : "-Infinity";
+  }
+  FieldTree copy = json;
+  if (json.is_structured()) {
+    for (FieldTree& member : copy) member = plain(member);
+  }
+  return copy;
+}
+
+template <class T>
+bool read_as(const FieldTree& json, bool is_of_type, T& value) {
+  if (is_of_type) value = json.get<T>();
+  return is_of_type;
+}
+
+}  // namespace
+
+bool read_distribution(const FieldSlot& slot, Marginal& marginal) {
+  for (const auto& [key, numbers] : slot.json.items()) {
+    const auto kind = value_named<Marginal::Kind>(key);
+    std::vector<double> bounds;
+    if (!kind) continue;
+    if (!read_value({numbers, slot.path, slot.reading}, bounds) || bounds.size() != 2) return false;
+    marginal.kind = *kind;
+    marginal.a = bounds[0];
+    marginal.b = bounds[1];
+    return true;
+  }
+  return false;
+}
+
+bool read_value(const FieldSlot& slot, bool& value) {
+  return read_as(slot.json, slot.json.is_boolean(), value);
+}
+
+bool read_value(const FieldSlot& slot, double& value) {
+  return read_as(slot.json, slot.json.is_number(), value) && std::isfinite(value);
+}
+
+bool read_value(const FieldSlot& slot, Index& value) {
+  // JSON integers above 2^63 - 1 are unsigned and don't fit.
+  const bool fits = !slot.json.is_number_unsigned() || slot.json.get<std::uint64_t>() >> 63 == 0;
+  return read_as(slot.json, slot.json.is_number_integer() && fits, value);
+}
+
+bool read_value(const FieldSlot& slot, std::uint64_t& value) {
+  Index number = 0;
+  if (!read_value(slot, number) || number < 0) return false;
+  value = static_cast<std::uint64_t>(number);
+  return true;
+}
+
+bool read_value(const FieldSlot& slot, std::string& value) {
+  return read_as(slot.json, slot.json.is_string(), value);
+}
+
+bool read_value(const FieldSlot& slot, std::map<std::string, double>& value) {
+  value.clear();
+  if (slot.json.is_object()) read_numbers(slot, "", value);
+  return slot.json.is_object();
+}
+
+bool read_value(const FieldSlot& slot, std::map<std::string, std::string>& value) {
+  if (!slot.json.is_object()) return false;
+  for (const auto& [key, json] : slot.json.items()) {
+    const FieldSlot member = member_slot(slot, key, json);
+    if (!read_value(member, value[key])) fail_type(member, "a text");
+  }
+  return true;
+}
+
+bool read_value(const FieldSlot& slot, FreeTable& value) {
+  value.json = plain(slot.json).dump();
+  return slot.json.is_object();
+}
+
+bool read_value(const FieldSlot& slot, std::map<std::string, PublishedFigure>& value) {
+  if (!slot.json.is_object()) return false;
+  for (const auto& [key, json] : slot.json.items()) {
+    const FieldSlot member = member_slot(slot, key, json);
+    if (!json.is_object()) {
+      fail_type(member, "a table, { mean = 0.263, std = 0.004 }");
+      continue;
+    }
+    FieldReader fields(&json, member.path, slot.reading);
+    describe(fields, value[key]);
+    fields.reject_unknown_keys();
+  }
+  return true;
+}
+
+bool read_value(const FieldSlot& slot, std::vector<Marginal>& value) {
+  if (!slot.json.is_object()) return false;
+  std::set<std::string> names;
+  read_marginals(slot, "", names, value);
+  return true;
+}
+
+const FieldTree* FieldReader::look_up(const std::string& key) {
+  known_.push_back(key);
+  const auto found = table_ == nullptr ? FieldTree::const_iterator() : table_->find(key);
+  if (table_ == nullptr || found == table_->end()) return nullptr;
+  reading_.found(below(key), reading_.source(below(key)).value);
+  return &*found;
+}
+
+void FieldReader::fail(const std::string& path, const FieldTree& found, const std::string& words,
+                       const std::vector<std::string>& names) {
+  reading_.fail(path, must_be(display(path), found_text(found, reading_), words, names));
+}
+
+std::vector<std::pair<std::string, const FieldTree*>> FieldReader::elements(const std::string& key,
+                                                                            int minimum) {
+  const FieldTree* json = look_up(key);
+  if (json == nullptr && minimum == 0) return {};
+  const std::string list = below(key);
+  const bool may_be_empty = reading_.is_of_json();  // TOML has no empty list of tables
+  if (json == nullptr || !json->is_array() || (json->empty() && !may_be_empty) ||
+      !std::ranges::all_of(*json, &FieldTree::is_object)) {
+    const std::string tables = "[[" + display(list) + "]] table";
+    reading_.fail(list,
+                  minimum > 0 ? "needs at least one " + tables : "must be made of " + tables + "s");
+    return {};
+  }
+  constexpr std::size_t most = 1000;
+  if (json->size() > most) {
+    reading_.fail(list, fmt::format("{} is there {} times, must be at most {}", display(list),
+                                    json->size(), most));
+    return {};
+  }
+  std::vector<std::pair<std::string, const FieldTree*>> elements;
+  for (const FieldTree& element : *json) {
+    const std::string path = fmt::format("{}[{}]", list, elements.size());
+    reading_.found(path, reading_.source(path).value);
+    elements.emplace_back(path, &element);
+  }
+  return elements;
+}
+
+void FieldReader::reject_unknown_keys() {
+  if (table_ == nullptr) return;
+  for (const auto& [key, json] : table_->items()) {
+    if (std::ranges::find(known_, key) != known_.end()) continue;
+    const std::string where = path_.empty() ? "" : display(path_) + ": ";
+    reading_.fail(below(key), reading_.source(below(key)).key,
+                  where + unknown_name("key", shortened(key), known_));
+  }
+}
+
+}  // namespace npdr::pipeline
