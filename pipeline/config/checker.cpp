@@ -53,6 +53,12 @@ void Checker::check_value(const std::string& path, const sim::Parameter& paramet
        fmt::format("between {} and {} {}", parameter.lower, parameter.upper, parameter.unit));
 }
 
+std::vector<std::string> Checker::labels_of(const std::vector<Channel>& channels) {
+  std::vector<std::string> labels;
+  for (const Channel& channel : channels) labels.push_back(channel.label);
+  return labels;
+}
+
 void Checker::require_file(const std::string& path, const std::string& file,
                            const std::string& words) {
   std::error_code unreadable;

@@ -1,9 +1,15 @@
 /// Helpers that the checks of a study's settings share. Private to pipeline/config.
 #pragma once
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
+#include "core/enum_names.h"
+#include "core/text.h"
 #include "pipeline/config/field_use.h"
 #include "pipeline/config/problems.h"
 #include "sim/simulator.h"
@@ -18,6 +24,16 @@ class Checker {
 
   /// Adds `path = found, must be words`.
   void fail(const std::string& path, const std::string& found, const std::string& words);
+
+  /// The same unless `is_allowed`, where nothing is wrong with `path` and `others`.
+  template <class T>
+  bool require(const std::string& path, const T& found, bool is_allowed, const std::string& words,
+               std::initializer_list<std::string> others = {}) {
+    const auto is_good = [&](const std::string& other) { return reading_.good(other); };
+    if (is_allowed || !is_good(path) || !std::ranges::all_of(others, is_good)) return is_allowed;
+    fail(path, found_words(found), words);
+    return false;
+  }
 
   /// Adds `path must be left out: why` where the path is there.
   void must_be_left_out(const std::string& path, const std::string& why);
@@ -40,10 +56,24 @@ class Checker {
   /// Fails for a value outside of the parameter's limits.
   void check_value(const std::string& path, const sim::Parameter& parameter, double value);
 
+  /// Labels of channels.
+  static std::vector<std::string> labels_of(const std::vector<Channel>& channels);
+
   /// Fails unless `file` is a regular file, with `words` for what it must be.
   void require_file(const std::string& path, const std::string& file, const std::string& words);
 
  protected:
+  static std::string found_words(const std::string& text) { return quoted(text); }
+  static std::string found_words(bool flag) { return flag ? "true" : "false"; }
+  template <class T>
+  static std::string found_words(const T& value) {
+    if constexpr (NamedEnum<T>) {
+      return quoted(name_of(value));
+    } else {
+      return fmt::format("{}", value);
+    }
+  }
+
   Reading& reading_;
 };
 

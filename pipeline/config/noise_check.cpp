@@ -52,13 +52,10 @@ class NoiseChecker : Checker {
   }
 
   void check_channels(const std::map<std::string, double>& deviations) {
-    std::vector<std::string> labels;
-    if (info_ != nullptr) {
-      for (const Channel& channel : info_->state_channels) labels.push_back(channel.label);
-    }
+    const auto labels = info_ ? labels_of(info_->state_channels) : std::vector<std::string>();
     for (const auto& [label, deviation] : deviations) {
       const std::string key = "observation_noise.std." + label;
-      if (!(deviation >= 0.0)) fail(key, fmt::format("{}", deviation), ">= 0");
+      require(key, deviation, deviation >= 0.0, ">= 0");
       if (labels.empty()) continue;  // features may not be known yet
       require_known(key, "observation_noise.std", "channel", label, labels);
     }

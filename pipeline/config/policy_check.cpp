@@ -1,14 +1,10 @@
 #include "pipeline/config/policy_check.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <memory>
 
 #include "core/error.h"
-#include "core/text.h"
 #include "pipeline/config/checker.h"
-#include "pipeline/config/constraint.h"
 #include "sim/policy_task.h"
 
 namespace npdr::pipeline {
@@ -22,7 +18,10 @@ class PolicyChecker : Checker {
   void check() {
     if (!study_.policy.is_used() || !reading_.good("policy.optimizer")) return;
     must_be_left_out("evaluate.leave_out", "policies are tested, not their predictions");
-    check_optimizer();
+    must_be_left_out(unused_fields(study_.policy, "policy"));
+    const inference::PolicySearchConfig& search = study_.policy.search;
+    require("policy.min_std", search.min_std, search.min_std <= search.initial_std,
+            fmt::format("<= policy.initial_std = {}", search.initial_std));
     if (!info_ || !has_task()) return;
     check_initial();
     check_model();
@@ -30,114 +29,94 @@ class PolicyChecker : Checker {
   }
 
  private:
-  bool has_task();
-  void check_optimizer();
-  void check_initial();
-  void check_model();
-  void check_grid();
-  void check_axis(const std::string& path, const PolicyGridAxis& axis);
   const sim::Parameter* find_domain_parameter(const std::string& path, const std::string& name) {
     return find_parameter(path, display(path), *info_, name);
+  }
+
+  bool has_task() {
+    const std::vector<std::string> able = sim::simulators_with_policy_task();
+    if (study_.source().is_built_in && std::ranges::count(able, info_->name) > 0) return true;
+    reading_.fail("policy", fmt::format("policy needs simulator.name = '{}', found '{}': it has no "
+                                        "task for a policy",
+                                        join(able, "' or '"), info_->name));
+    return false;
+  }
+
+  void check_initial() {
+    const auto task = sim::make_policy_task({.name = study_.simulator.name});
+    const auto& parameters = task->info().parameters;
+    std::vector<std::string> names;
+    for (const sim::PolicyParameter& parameter : parameters) names.push_back(parameter.name);
+    for (const auto& [name, value] : study_.policy.initial) {
+      const std::string path = "policy.initial." + name;
+      if (!require_known(path, "policy.initial", "parameter of the policy", name, names)) continue;
+      const auto found = std::ranges::find(parameters, name, &sim::PolicyParameter::name);
+      require(path, value, !found->log_scale || value > 0.0, "> 0: its logarithm is searched");
+    }
+  }
+
+  void check_model() {
+    bool is_sound = reading_.good("simulator.parameters");
+    for (const auto& [name, value] : study_.policy.model) {
+      const std::string path = "policy.model." + name;
+      const sim::Parameter* parameter = find_domain_parameter(path, name);
+      if (parameter != nullptr && reading_.good(path)) check_value(path, *parameter, value);
+      is_sound = is_sound && parameter != nullptr && reading_.good(path);
+    }
+    if (!is_sound) return;
+    try {
+      sim::make_policy_task(study_.simulator, {.model = study_.policy.model, .num_steps = 0});
+    } catch (const InputError& error) {
+      reading_.fail("policy.model", fmt::format("policy.model: {}", error.what()));
+    }
+  }
+
+  void check_grid() {
+    const PolicyGrid& grid = study_.policy.grid;
+    const bool has_x = reading_.has("policy.grid.x"), has_y = reading_.has("policy.grid.y");
+    if (!has_x && !has_y) return;
+    if (!has_x || !has_y) {
+      return reading_.fail("policy.grid", fmt::format("policy.grid has no {}, must have x and y",
+                                                      has_x ? "y" : "x"));
+    }
+    check_axis("policy.grid.x", grid.x);
+    check_axis("policy.grid.y", grid.y);
+    if (grid.is_used() && grid.x.parameter == grid.y.parameter) {
+      fail("policy.grid.y.parameter", quoted(grid.y.parameter), "another than policy.grid.x has");
+    }
+  }
+
+  void check_axis(const std::string& path, const PolicyGridAxis& axis) {
+    for (const char* key : {".parameter", ".range", ".values", ".steps"}) {
+      if (!reading_.good(path + key)) return;
+    }
+    if (!axis.is_used()) {
+      return reading_.fail(path, path + " has no parameter = '...', must name a domain parameter");
+    }
+    const sim::Parameter* parameter = find_domain_parameter(path + ".parameter", axis.parameter);
+    if (axis.range.empty() == axis.values.empty()) {
+      return reading_.fail(path,
+                           fmt::format("{} has {} range = [low, high] {} values = [...], must "
+                                       "have one of them",
+                                       path, axis.range.empty() ? "neither" : "both",
+                                       axis.range.empty() ? "nor" : "and"));
+    }
+    if (axis.values.size() == 1) {
+      return fail(path + ".values", "a list of 1", "a list of 2 or more");
+    }
+    if (!axis.values.empty() && reading_.has(path + ".steps")) {
+      return must_be_left_out(path + ".steps", "it means nothing to values");
+    }
+    if (parameter == nullptr) return;
+    const std::string points = axis.values.empty() ? ".range" : ".values";
+    const std::vector<double> all = axis.points();
+    check_value(path + points, *parameter, all.front());
+    check_value(path + points, *parameter, all.back());
   }
 
   const Study& study_;
   const sim::SimulatorInfo* info_;
 };
-
-bool PolicyChecker::has_task() {
-  const std::vector<std::string> able = sim::simulators_with_policy_task();
-  if (study_.source().is_built_in && std::ranges::count(able, info_->name) > 0) return true;
-  reading_.fail("policy", fmt::format("policy needs simulator.name = '{}', found '{}': it has no "
-                                      "task for a policy",
-                                      join(able, "' or '"), info_->name));
-  return false;
-}
-
-void PolicyChecker::check_optimizer() {
-  must_be_left_out(unused_fields(study_.policy, "policy"));
-  const double initial = study_.policy.search.initial_std;
-  if (reading_.good("policy.min_std") && study_.policy.search.min_std > initial) {
-    fail("policy.min_std", fmt::format("{}", study_.policy.search.min_std),
-         fmt::format("<= policy.initial_std = {}", initial));
-  }
-}
-
-void PolicyChecker::check_initial() {
-  const auto task = sim::make_policy_task({.name = study_.simulator.name});
-  const auto& parameters = task->info().parameters;
-  std::vector<std::string> names;
-  for (const sim::PolicyParameter& parameter : parameters) names.push_back(parameter.name);
-  for (const auto& [name, value] : study_.policy.initial) {
-    const std::string path = "policy.initial." + name;
-    if (!require_known(path, "policy.initial", "parameter of the policy", name, names)) continue;
-    const auto found = std::ranges::find(parameters, name, &sim::PolicyParameter::name);
-    if (reading_.good(path) && found->log_scale && !(value > 0.0)) {
-      fail(path, fmt::format("{}", value), "> 0: its logarithm is searched");
-    }
-  }
-}
-
-void PolicyChecker::check_model() {
-  bool is_sound = reading_.good("simulator.parameters");
-  for (const auto& [name, value] : study_.policy.model) {
-    const std::string path = "policy.model." + name;
-    const sim::Parameter* parameter = find_domain_parameter(path, name);
-    if (parameter != nullptr && reading_.good(path)) check_value(path, *parameter, value);
-    is_sound = is_sound && parameter != nullptr && reading_.good(path);
-  }
-  if (!is_sound) return;
-  try {
-    sim::make_policy_task(study_.simulator, {.model = study_.policy.model, .num_steps = 0});
-  } catch (const InputError& error) {
-    reading_.fail("policy.model", fmt::format("policy.model: {}", error.what()));
-  }
-}
-
-void PolicyChecker::check_grid() {
-  const PolicyGrid& grid = study_.policy.grid;
-  const bool has_x = reading_.has("policy.grid.x"), has_y = reading_.has("policy.grid.y");
-  if (!has_x && !has_y) return;
-  if (!has_x || !has_y) {
-    reading_.fail("policy.grid",
-                  fmt::format("policy.grid has no {}, must have x and y", has_x ? "y" : "x"));
-    return;
-  }
-  check_axis("policy.grid.x", grid.x);
-  check_axis("policy.grid.y", grid.y);
-  if (grid.is_used() && grid.x.parameter == grid.y.parameter) {
-    fail("policy.grid.y.parameter", quoted(grid.y.parameter), "another than policy.grid.x has");
-  }
-}
-
-void PolicyChecker::check_axis(const std::string& path, const PolicyGridAxis& axis) {
-  for (const char* key : {".parameter", ".range", ".values", ".steps"}) {
-    if (!reading_.good(path + key)) return;
-  }
-  if (!axis.is_used()) {
-    reading_.fail(path, path + " has no parameter = '...', must name a domain parameter");
-    return;
-  }
-  const sim::Parameter* parameter = find_domain_parameter(path + ".parameter", axis.parameter);
-  if (axis.range.empty() == axis.values.empty()) {
-    reading_.fail(path, fmt::format("{} has {} range = [low, high] {} values = [...], must have "
-                                    "one of them",
-                                    path, axis.range.empty() ? "neither" : "both",
-                                    axis.range.empty() ? "nor" : "and"));
-    return;
-  }
-  if (axis.values.size() == 1) {
-    fail(path + ".values", "a list of 1", "a list of 2 or more");
-    return;
-  }
-  if (!axis.values.empty() && reading_.has(path + ".steps")) {
-    return must_be_left_out(path + ".steps", "it means nothing to values");
-  }
-  if (parameter == nullptr) return;
-  const std::string points = axis.values.empty() ? ".range" : ".values";
-  const std::vector<double> all = axis.points();
-  check_value(path + points, *parameter, all.front());
-  check_value(path + points, *parameter, all.back());
-}
 
 }  // namespace
 

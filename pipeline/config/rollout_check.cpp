@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "pipeline/config/checker.h"
-#include "pipeline/config/method_settings.h"
 #include "pipeline/config/simulator_info.h"
 
 namespace npdr::pipeline {
@@ -56,9 +55,7 @@ class RolloutChecker : Checker {
   // False when it is more, or was wrong already.
   bool check_at_most(const std::string& path, Index found, Index most, const std::string& why) {
     if (!reading_.good(path) || shape_.num_steps == 0) return false;  // it is missing itself
-    if (found <= most) return true;
-    fail(path, std::to_string(found), fmt::format("<= {}, {}", most, why));
-    return false;
+    return require(path, found, found <= most, fmt::format("<= {}, {}", most, why));
   }
 
   void check_method(const std::string& path, const MethodConfig& method) {
@@ -73,14 +70,12 @@ class RolloutChecker : Checker {
                     shape_.num_steps + 1, "the states of a rollout");
       return;
     }
-    const std::string cross_validate = path + ".refine.cross_validate";
-    if (method.refine.sampling.cross_validate && fewest_rollouts() == 1 &&
-        reading_.good(cross_validate)) {
-      fail(cross_validate, "true",
-           used_rollouts() > 1 ? "false: evaluate.leave_out leaves it a single rollout"
-                               : "false with a single rollout: none can be left out");
-    }
-    if (!reads_setting(method.algorithm.kind, "embedding")) return;
+    const bool cross_validates = method.refine.sampling.cross_validate;
+    require(path + ".refine.cross_validate", cross_validates,
+            !cross_validates || fewest_rollouts() > 1,
+            used_rollouts() > 1 ? "false: evaluate.leave_out leaves it a single rollout"
+                                : "false with a single rollout: none can be left out");
+    if (!learns_from_rounds(method.algorithm.kind)) return;
     check_at_most(path + ".embedding.downsample", method.embedding.downsample, shape_.num_steps / 2,
                   two_states_left());
   }
@@ -96,11 +91,9 @@ class RolloutChecker : Checker {
   }
 
   void check_features(const std::string& path, const MethodConfig& method) {
-    std::vector<std::string> labels;
-    for (const Channel& channel : shape_.state_channels) labels.push_back(channel.label);
     for (const std::string& channel : method.embedding.channels) {
       require_known(path + ".embedding.channels", "method.embedding.channels", "feature", channel,
-                    labels);
+                    labels_of(shape_.state_channels));
     }
   }
 

@@ -1,15 +1,13 @@
 #include "pipeline/config/source_check.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <set>
 #include <system_error>
 
+#include "core/constants.h"
 #include "core/feature_names.h"
-#include "core/text.h"
 #include "inference/embeddings/embedding_config.h"
 #include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
@@ -49,15 +47,12 @@ class SourceChecker : Checker {
     for (std::size_t i = 0; i < parameters.size(); ++i) {
       const std::string path = fmt::format("simulator.parameter[{}]", i);
       const DescribedParameter& p = parameters[i];
-      if (!names.insert(p.name).second) fail(path + ".name", quoted(p.name), "there once");
-      if (p.lower && p.upper && *p.lower >= *p.upper) {
-        fail(path + ".lower", fmt::format("{}", *p.lower), fmt::format("< upper = {}", *p.upper));
-      }
-      const bool is_low = p.nominal && p.lower && *p.nominal < *p.lower;
-      const bool is_high = p.nominal && p.upper && *p.nominal > *p.upper;
-      if (is_low || is_high) {
-        fail(path + ".nominal", fmt::format("{}", *p.nominal), "in the parameter's limits");
-      }
+      const double nominal = p.nominal.value_or(0.0), lower = p.lower.value_or(-kInfinity),
+                   upper = p.upper.value_or(kInfinity);
+      require(path + ".name", p.name, names.insert(p.name).second, "there once");
+      require(path + ".lower", lower, lower < upper, fmt::format("< upper = {}", upper));
+      require(path + ".nominal", nominal, !p.nominal || (nominal >= lower && nominal <= upper),
+              "in the parameter's limits");
       if (!p.nominal && !is_in_prior(p.name) && !study_.simulator.parameters.contains(p.name)) {
         reading_.fail(path + ".nominal",
                       fmt::format("{} of '{}' is missing, must be a number: neither [prior] nor "
@@ -75,12 +70,14 @@ class SourceChecker : Checker {
   void check_channels() {
     check_labels("simulator.states", study_.external.states, "theta [rad]");
     check_labels("simulator.actions", study_.external.actions, "voltage [V]");
-    if (study_.source().kind == SourceKind::worker && study_.external.states.empty() &&
-        reading_.good("simulator.states")) {
-      reading_.fail("simulator.states",
-                    "simulator.states is missing, must be the state channels that the worker "
-                    "returns, such as [\"q [m]\", \"v [m/s]\"]");
-    }
+    const bool is_worker = source_.kind == SourceKind::worker;
+    require_there("simulator.states", !is_worker || !study_.external.states.empty(),
+                  "the state channels that the worker returns, such as [\"q [m]\", \"v [m/s]\"]");
+  }
+
+  void require_there(const std::string& path, bool is_there, const std::string& words) {
+    if (is_there || !reading_.good(path)) return;
+    reading_.fail(path, path + " is missing, must be " + words);
   }
 
   void check_labels(const char* path, const std::vector<std::string>& names, const char* example) {
@@ -118,18 +115,10 @@ class SourceChecker : Checker {
     const std::string why =
         ": a truth has no recording to take it from; target.inputs = "
         "\"recording.h5\" may take its place";
-    if (!std::isnormal(external.dt) && reading_.good("simulator.dt")) {
-      reading_.fail("simulator.dt", "simulator.dt is missing, must be a time in seconds" + why);
-    }
-    if (external.num_steps < 1 && reading_.good("simulator.num_steps")) {
-      reading_.fail("simulator.num_steps", "simulator.num_steps is missing, must be >= 1" + why);
-    }
-    if (external.initial_states.empty() && reading_.good("simulator.initial_states")) {
-      reading_.fail("simulator.initial_states",
-                    "simulator.initial_states is missing, must be a list of states, such as "
-                    "[[0.1, 0.0], [0.2, 0.0]]" +
-                        why);
-    }
+    require_there("simulator.dt", std::isnormal(external.dt), "a time in seconds" + why);
+    require_there("simulator.num_steps", external.num_steps >= 1, ">= 1" + why);
+    require_there("simulator.initial_states", !external.initial_states.empty(),
+                  "a list of states, such as [[0.1, 0.0], [0.2, 0.0]]" + why);
     if (source_.describes_itself) return;  // how many states that is, is known when it is loaded
     for (const std::vector<double>& state : external.initial_states) {
       if (state.size() == external.states.size()) continue;
@@ -156,9 +145,9 @@ class SourceChecker : Checker {
     }
     if (study_.external.command) check_parameter_names();
     if (!source_.describes_itself) check_values();
-    for (const Metric metric : study_.evaluate.metrics) {
-      if (metric != Metric::distance) continue;
-      fail("evaluate.metrics", quoted(name_of(metric)), "left out: it is for a simulator.command");
+    if (std::ranges::count(study_.evaluate.metrics, Metric::distance) > 0) {
+      fail("evaluate.metrics", quoted(name_of(Metric::distance)),
+           "left out: it is for a simulator.command");
     }
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
       if (study_.methods[i].embedding.kind != inference::EmbeddingKind::identity) continue;
@@ -235,18 +224,13 @@ class SourceChecker : Checker {
                                 "value }}, must have one of them",
                                 target.truth ? "both" : "neither", target.truth ? "and" : "nor"));
     } else if (target.truth) {
-      check_truth();
+      require_there("simulator.features", !study_.external.features.empty() || !source_.simulates,
+                    "the names of what x holds: with a truth there is no file of x_o to take them "
+                    "from");
     } else {
       must_be_left_out("target.seed", "it picks the random behavior of a truth");
       require_file("target.observation", *target.observation, "an existing CSV or HDF5 file");
     }
-  }
-
-  void check_truth() {
-    if (!study_.external.features.empty() || !source_.simulates) return;
-    reading_.fail("simulator.features",
-                  "simulator.features is missing, must be the names of what x holds: with a truth "
-                  "there is no file of x_o to take them from");
   }
 
   void check_method(const std::string& path, const MethodConfig& method) {
@@ -254,14 +238,11 @@ class SourceChecker : Checker {
       must_be_left_out(path + key, no_rollouts());
     }
     const inference::EmbeddingKind kind = method.embedding.kind;
-    if (kind != inference::EmbeddingKind::identity && reading_.good(path + ".embedding.kind")) {
-      fail(path + ".embedding.kind", quoted(name_of(kind)), "'identity': " + no_rollouts());
-    }
+    require(path + ".embedding.kind", kind, kind == inference::EmbeddingKind::identity,
+            "'identity': " + no_rollouts());
     const Index rounds = method.algorithm.num_rounds;
-    if (!source_.simulates && rounds != 1 && reading_.good(path + ".num_rounds")) {
-      fail(path + ".num_rounds", std::to_string(rounds),
-           "1 with a dataset: nothing simulates what later rounds propose");
-    }
+    require(path + ".num_rounds", rounds, source_.simulates || rounds == 1,
+            "1 with a dataset: nothing simulates what later rounds propose");
   }
 
   void check_program() {
