@@ -1,5 +1,7 @@
 #include "pipeline/config/field_use.h"
 
+#include <algorithm>
+
 #include "pipeline/config/study_fields.h"
 
 namespace npdr::pipeline {
@@ -69,6 +71,14 @@ std::vector<UnusedField> unused_fields(const Config& config, const std::string& 
 std::vector<UnusedField> unused_fields(const MethodConfig& method, const PolicyConfig& policy,
                                        const std::string& path) {
   return find_unused(method, path, policy);
+}
+
+bool reads_setting(inference::Algorithm algorithm, const std::string& key) {
+  MethodConfig method;
+  method.algorithm.kind = algorithm;
+  PolicyConfig any;
+  any.search.kind = inference::PolicyOptimizerKind::power;
+  return std::ranges::count(unused_fields(method, any, ""), key, &UnusedField::path) == 0;
 }
 
 template std::vector<UnusedField> unused_fields(const SimulatorTable&, const std::string&);

@@ -46,4 +46,7 @@ std::vector<UnusedField> unused_fields(const Config& config, const std::string& 
 std::vector<UnusedField> unused_fields(const MethodConfig& method, const PolicyConfig& policy,
                                        const std::string& path);
 
+/// Whether `key` of a [[method]] means something to the algorithm.
+bool reads_setting(inference::Algorithm algorithm, const std::string& key);
+
 }  // namespace npdr::pipeline

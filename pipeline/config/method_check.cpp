@@ -1,12 +1,9 @@
-#include "pipeline/config/method_check.h"
-
 #include <algorithm>
 #include <cmath>
 
-#include "inference/algorithms/pool_powers.h"
 #include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/method_settings.h"
+#include "pipeline/config/part_checks.h"
 
 namespace npdr::pipeline {
 namespace {

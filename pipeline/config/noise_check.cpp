@@ -1,11 +1,10 @@
-#include "pipeline/config/noise_check.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "core/text.h"
 #include "pipeline/config/checker.h"
+#include "pipeline/config/part_checks.h"
 
 namespace npdr::pipeline {
 namespace {

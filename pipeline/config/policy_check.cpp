@@ -1,10 +1,9 @@
-#include "pipeline/config/policy_check.h"
-
 #include <algorithm>
 #include <memory>
 
 #include "core/error.h"
 #include "pipeline/config/checker.h"
+#include "pipeline/config/part_checks.h"
 #include "sim/policy_task.h"
 
 namespace npdr::pipeline {

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "inference/algorithms/pool_powers.h"
 #include "pipeline/config/check.h"
 
 namespace npdr::pipeline {
@@ -81,6 +82,12 @@ bool learns_from_rounds(inference::Algorithm algorithm) {
 }
 
 bool learns(const MethodConfig& method) { return learns_from_rounds(method.algorithm.kind); }
+
+Index num_learned_from(const MethodConfig& method) {
+  const Index count = method.algorithm.num_simulations;
+  const bool is_pooled = method.algorithm.kind == inference::Algorithm::npe_nle;
+  return is_pooled ? count - inference::num_judging_rows(count) : count;
+}
 
 bool DiagnoseConfig::has(Check check) const {
   return std::ranges::find(checks, check) != checks.end();

@@ -196,6 +196,8 @@ inference::AlgorithmFamily family_of(const MethodConfig& method);
 bool infers(const MethodConfig& method);
 /// Whether it does from simulations that it is given, by a network or those near the observation.
 bool learns(const MethodConfig& method);
+/// Simulations of a round that a method's networks learn from: others choose the powers of a pool.
+Index num_learned_from(const MethodConfig& method);
 /// Whether an algorithm learns from rounds of simulations.
 bool learns_from_rounds(inference::Algorithm algorithm);
 
