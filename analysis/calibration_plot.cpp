@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t kChecksPerRow = 4;
 constexpr double kBand = 2.5758;  // normal deviations on either side that hold 99 %
 
-Figure figure_of(const std::string& name, std::size_t num_panels) {
+Figure empty_figure(const std::string& name, std::size_t num_panels) {
   require(num_panels > 0, "calibration plot '{}': must have something to draw", name);
   return {.name = name, .columns = std::min(num_panels, kChecksPerRow)};
 }
@@ -49,9 +49,9 @@ double band_of(const RowMatrix& counts) {
 
 }  // namespace
 
-FigureFiles write_rank_plot(const RankPlot& plot, const std::filesystem::path& directory) {
+Figure figure_of(const RankPlot& plot) {
   const auto num_parameters = static_cast<Index>(plot.parameters.size());
-  Figure figure = figure_of(plot.name, plot.methods.empty() ? 0 : plot.parameters.size());
+  Figure figure = empty_figure(plot.name, plot.methods.empty() ? 0 : plot.parameters.size());
   std::vector<Series> steps;  // of the first parameter
   double band = 0.0, highest = 0.0;
   for (const auto& [method, counts] : plot.methods) {
@@ -77,11 +77,11 @@ FigureFiles write_rank_plot(const RankPlot& plot, const std::filesystem::path& d
     figure.panels.push_back(std::move(panel));
     for (Series& series : steps) ++series.columns.back();
   }
-  return write_figure(figure, directory);
+  return figure;
 }
 
-FigureFiles write_coverage_plot(const CoveragePlot& plot, const std::filesystem::path& directory) {
-  Figure figure = figure_of(plot.name, plot.panels.size());
+Figure figure_of(const CoveragePlot& plot) {
+  Figure figure = empty_figure(plot.name, plot.panels.size());
   for (const CoveragePanel& shown : plot.panels) {
     Panel panel = panel_of(shown.title, "level", "coverage", 1.0);
     for (const auto& [method, level, coverage] : shown.curves) {
@@ -101,7 +101,7 @@ FigureFiles write_coverage_plot(const CoveragePlot& plot, const std::filesystem:
       plot.num_truths > 0 ? kBand / std::sqrt(static_cast<double>(plot.num_truths)) : 0.0;
   figure.tables.push_back(
       expected_table(level, level, width * (level.array() * (1.0 - level.array())).sqrt()));
-  return write_figure(figure, directory);
+  return figure;
 }
 
 }  // namespace npdr::analysis

@@ -1,7 +1,6 @@
 /// Figures of calibration: histograms of ranks, and curves of coverage.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -23,10 +22,10 @@ struct RankPlot {
 };
 
 /// Draws one panel per parameter: each bin's count over the expected one, and the band within which
-/// that of uniform ranks lies with a probability of 99 % (normal approximation). Writes the figure
-/// and its data files into `directory`. Throws InputError for no or too many methods, no parameters
-/// or no ranks, and ShapeError for counts of other widths.
-FigureFiles write_rank_plot(const RankPlot& plot, const std::filesystem::path& directory);
+/// that of uniform ranks lies with a probability of 99 % (normal approximation). Throws InputError
+/// for no or too many methods, no parameters or no ranks, and ShapeError for counts of other
+/// widths.
+Figure figure_of(const RankPlot& plot);
 
 /// One method's share of truths within the credible regions of each level.
 struct CoverageCurve {
@@ -47,6 +46,6 @@ struct CoveragePlot {
 };
 
 /// Draws the panels side by side, with the diagonal and its 99 % band, if any. Throws as above.
-FigureFiles write_coverage_plot(const CoveragePlot& plot, const std::filesystem::path& directory);
+Figure figure_of(const CoveragePlot& plot);
 
 }  // namespace npdr::analysis

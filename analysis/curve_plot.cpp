@@ -38,7 +38,7 @@ Curve curve_of(const std::string& method, const Vector& x, const RowMatrix& expe
   return curve;
 }
 
-FigureFiles write_curve_plot(const CurvePlot& plot, const std::filesystem::path& directory) {
+Figure figure_of(const CurvePlot& plot) {
   require(!plot.curves.empty(), "curve plot '{}': must have a curve", plot.name);
   Figure figure{.name = plot.name, .sizes = {468.0, 300.0}};
   Range x, y;
@@ -60,7 +60,7 @@ FigureFiles write_curve_plot(const CurvePlot& plot, const std::filesystem::path&
   figure.panels.push_back({.x = make_axis(x.widened(kCurveMargin), plot.x_title, "", 3, 0.0),
                            .y = make_axis(y.widened(kCurveMargin), plot.y_title, "", 3, 0.0),
                            .series = bands});
-  return write_figure(figure, directory);
+  return figure;
 }
 
 }  // namespace npdr::analysis

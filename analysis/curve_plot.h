@@ -2,7 +2,6 @@
 /// experiments, and a band around it.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -31,9 +30,8 @@ struct CurvePlot {
 /// experiment the band is empty. Throws ShapeError for another number of x.
 Curve curve_of(const std::string& method, const Vector& x, const RowMatrix& experiments);
 
-/// Draws all curves in one panel; a curve of one point is a dot. Writes the figure and its data
-/// files into `directory`. Throws InputError for no or too many curves, or one without points, and
-/// ShapeError for members of different sizes.
-FigureFiles write_curve_plot(const CurvePlot& plot, const std::filesystem::path& directory);
+/// Draws all curves in one panel; a curve of one point is a dot. Throws InputError for no or too
+/// many curves, or one without points, and ShapeError for members of different sizes.
+Figure figure_of(const CurvePlot& plot);
 
 }  // namespace npdr::analysis

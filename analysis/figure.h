@@ -78,6 +78,15 @@ struct Mark {
   LineStyle style = LineStyle::solid;
 };
 
+/// One parameter vector that a figure marks, such as the nominal one.
+struct MarkedPoint {
+  std::string name;
+  Vector place;  ///< (D) in the figure's coordinates; what lies outside isn't marked
+  LegendMark mark = LegendMark::triangle;
+  std::string color;
+  LineStyle style = LineStyle::solid;  ///< of a line in its place
+};
+
 /// Words that a reader gets who points at a part of a panel.
 struct Tip {
   Range x;

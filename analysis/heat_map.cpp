@@ -51,7 +51,7 @@ RowMatrix cells_of(const RowMatrix& values) {
 
 }  // namespace
 
-FigureFiles write_heat_maps(const HeatMapPlot& plot, const std::filesystem::path& directory) {
+Figure figure_of(const HeatMapPlot& plot) {
   const Index num_x = plot.x.points.size(), num_y = plot.y.points.size();
   require(
       !plot.maps.empty() && num_x > 0 && num_y > 0 && plot.low < plot.high,
@@ -80,7 +80,7 @@ FigureFiles write_heat_maps(const HeatMapPlot& plot, const std::filesystem::path
                      {0, 1, 2}}};
     figure.panels.push_back(panel);
   }
-  return write_figure(figure, directory);
+  return figure;
 }
 
 }  // namespace npdr::analysis

@@ -1,7 +1,6 @@
 /// Figures of a quantity over a grid of two others, one map a method, all with the same colors.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -25,20 +24,19 @@ struct HeatMap {
 
 struct HeatMapPlot {
   std::string name;  ///< of the files: letters, digits, '_' and '-'
-  GridAxis x;
-  GridAxis y;
-  std::string value_title;  ///< of the colors
-  double low = 0.0;         ///< what the first and the last color stand for
+  GridAxis x = {};
+  GridAxis y = {};
+  std::string value_title = {};  ///< of the colors
+  double low = 0.0;              ///< what the first and the last color stand for
   double high = 1.0;
-  std::vector<HeatMap> maps;
+  std::vector<HeatMap> maps = {};
   std::optional<std::pair<double, double>> mark = {};  ///< a place in (x, y) to point out
 };
 
 /// Draws the maps side by side. Each point of the grid is a cell of the same size, whatever the
-/// distances between points; a mark lies in proportion between the middles of its neighbors, and
-/// is left out when it is outside of the grid. Writes the figure and its data files into
-/// `directory`. Throws InputError for no maps, an axis without points or low >= high, and
-/// ShapeError for values of another shape than the grid.
-FigureFiles write_heat_maps(const HeatMapPlot& plot, const std::filesystem::path& directory);
+/// distances between points; a mark lies in proportion between the middles of its neighbors, and is
+/// left out when it is outside of the grid. Throws InputError for no maps, an axis without points
+/// or low >= high, and ShapeError for values of another shape than the grid.
+Figure figure_of(const HeatMapPlot& plot);
 
 }  // namespace npdr::analysis

@@ -78,7 +78,7 @@ void add_set(const IntervalPlot& plot, std::size_t set, Figure& figure, Panel& p
   figure.legend.push_back({LegendMark::dot, color, name});
 }
 
-void add_point(const IntervalPlot& plot, const IntervalPoint& point, Figure& figure, Panel& panel) {
+void add_point(const IntervalPlot& plot, const MarkedPoint& point, Figure& figure, Panel& panel) {
   const Index count = std::ssize(plot.parameters);
   require<ShapeError>(point.place.size() == count,
                       "interval plot '{}': '{}' has {} values for {} parameters", plot.name,
@@ -98,7 +98,7 @@ double row_width(const Figure& figure, double width) {
 
 }  // namespace
 
-FigureFiles write_interval_plot(const IntervalPlot& plot, const std::filesystem::path& directory) {
+Figure figure_of(const IntervalPlot& plot) {
   const Index count = std::ssize(plot.parameters);
   require(count > 0 && !plot.sets.empty() && plot.sets.size() <= kMaxMethods,
           "interval plot '{}': {} parameters and {} sets, must be at least 1, and 1 to {}",
@@ -115,10 +115,10 @@ FigureFiles write_interval_plot(const IntervalPlot& plot, const std::filesystem:
               .y = {0.0, static_cast<double>(count)}};
   add_rows(plot, figure, panel);
   for (std::size_t set = 0; set < plot.sets.size(); ++set) add_set(plot, set, figure, panel);
-  for (const IntervalPoint& point : plot.points) add_point(plot, point, figure, panel);
+  for (const MarkedPoint& point : plot.points) add_point(plot, point, figure, panel);
   figure.panels.push_back(std::move(panel));
   if (plot.width) figure.sizes.panel_width = row_width(figure, *plot.width);
-  return write_figure(figure, directory);
+  return figure;
 }
 
 }  // namespace npdr::analysis

@@ -2,7 +2,6 @@
 /// glance.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,30 +20,22 @@ struct IntervalSet {
   RowMatrix quantiles;  ///< (D, 5) at kIntervalLevels, as places in a row
 };
 
-/// One parameter vector that is marked, such as the nominal one.
-struct IntervalPoint {
-  std::string name;
-  Vector place;  ///< (D) in a row; what lies outside isn't marked
-  LegendMark mark = LegendMark::triangle;
-  std::string color;
-};
-
 struct IntervalPlot {
-  std::string name;                     ///< of the files: letters, digits, '_' and '-'
-  std::string title;                    ///< of the axis of places
-  Range row = {0.0, 1.0};               ///< the places that a row shows
-  std::vector<std::string> parameters;  ///< (D) labels; underscores are shown as blanks
-  std::vector<std::string> tips;        ///< (D) words for who points at a row
-  std::vector<IntervalSet> sets;        ///< blue, orange, purple, ...; the first on top
-  std::vector<IntervalPoint> points = {};
+  std::string name;                      ///< of the files: letters, digits, '_' and '-'
+  std::string title;                     ///< of the axis of places
+  Range row = {0.0, 1.0};                ///< the places that a row shows
+  std::vector<std::string> parameters;   ///< (D) labels; underscores are shown as blanks
+  std::vector<std::string> tips;         ///< (D) words for who points at a row
+  std::vector<IntervalSet> sets;         ///< blue, orange, purple, ...; the first on top
+  std::vector<MarkedPoint> points = {};  ///< at places in a row
   /// [px] of the whole figure, where names leave rows 150 px; by default rows of 640 px are drawn
   std::optional<double> width = {};
 };
 
 /// Draws a row for each parameter, such as one as wide as its prior: a line for each posterior's 90
 /// % interval, a thick one for its 50 % interval, a dot for the median, and the marked points.
-/// Writes the figure's files and its data files into `directory`. Throws InputError for no
-/// parameters and for no or too many sets; ShapeError for quantiles or points of another size.
-FigureFiles write_interval_plot(const IntervalPlot& plot, const std::filesystem::path& directory);
+/// Throws InputError for no parameters and for no or too many sets; ShapeError for quantiles or
+/// points of another size.
+Figure figure_of(const IntervalPlot& plot);
 
 }  // namespace npdr::analysis

@@ -32,11 +32,11 @@ PairPlot select(const PairPlot& plot) {
                         plot.name, name, samples.cols(), count);
     samples = samples(Eigen::all, selection).eval();
   }
-  for (PairPoint& point : shown.points) {
-    require<ShapeError>(point.theta.size() == count,
+  for (MarkedPoint& point : shown.points) {
+    require<ShapeError>(point.place.size() == count,
                         "pair plot '{}': '{}' has {} values for {} parameters", plot.name,
-                        point.name, point.theta.size(), count);
-    point.theta = point.theta(selection).eval();
+                        point.name, point.place.size(), count);
+    point.place = point.place(selection).eval();
   }
   return shown;
 }
@@ -88,8 +88,8 @@ Panel marginal(const PairPlot& plot, Index k, const Axis& axis) {
     const auto samples = plot.sets[s].samples.col(k);
     if (is_constant(samples)) panel.marks.push_back({LegendMark::line, area.color, samples(0)});
   }
-  for (const PairPoint& point : plot.points) {
-    panel.marks.push_back({LegendMark::line, point.color, point.theta(k), 0.0, 0.0, point.style});
+  for (const MarkedPoint& point : plot.points) {
+    panel.marks.push_back({LegendMark::line, point.color, point.place(k), 0.0, 0.0, point.style});
   }
   return panel;
 }
@@ -100,8 +100,8 @@ Panel scatter(const PairPlot& plot, Index x, Index y, const std::vector<Axis>& a
     panel.series.push_back(
         {SeriesKind::dots, samples_table(s), {x, y}, kMethodColors[s], 0.42 * size, 0.55});
   }
-  for (const PairPoint& point : plot.points) {
-    panel.marks.push_back({point.mark, point.color, point.theta(x), point.theta(y), size});
+  for (const MarkedPoint& point : plot.points) {
+    panel.marks.push_back({point.mark, point.color, point.place(x), point.place(y), size});
   }
   return panel;
 }
@@ -112,11 +112,11 @@ std::vector<LegendEntry> legend_of(const PairPlot& plot) {
   for (const SampleSet& set : plot.sets) {
     legend.push_back({LegendMark::dot, kMethodColors[legend.size()], set.name});
   }
-  for (const PairPoint& point : plot.points) {
+  for (const MarkedPoint& point : plot.points) {
     bool is_shown = false;
-    for (Index k = 0; k < point.theta.size(); ++k) {
+    for (Index k = 0; k < point.place.size(); ++k) {
       const PairParameter& p = plot.parameters[static_cast<std::size_t>(k)];
-      is_shown = is_shown || (point.theta(k) >= p.lower && point.theta(k) <= p.upper);
+      is_shown = is_shown || (point.place(k) >= p.lower && point.place(k) <= p.upper);
     }
     if (is_shown) legend.push_back({point.mark, point.color, point.name});
   }
@@ -125,7 +125,7 @@ std::vector<LegendEntry> legend_of(const PairPlot& plot) {
 
 }  // namespace
 
-FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& directory) {
+Figure figure_of(const PairPlot& plot) {
   require(!plot.sets.empty() && plot.sets.size() <= kMaxMethods && plot.num_points > 0,
           "pair plot '{}': {} sample sets of {} points, must be 1 to {} of at least 1", plot.name,
           plot.sets.size(), plot.num_points, kMaxMethods);
@@ -157,7 +157,7 @@ FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& d
                                        : scatter(shown, c, r, axes, mark));
     }
   }
-  return write_figure(figure, directory);
+  return figure;
 }
 
 }  // namespace npdr::analysis

@@ -1,7 +1,6 @@
 /// Pair plot of posterior samples, as in Figures A1 and A2.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -21,15 +20,6 @@ struct PairParameter {
   double upper = 0.0;
 };
 
-/// One parameter vector that is marked, such as the nominal one.
-struct PairPoint {
-  std::string name;
-  Vector theta;  ///< (D), SI; what lies outside of the axes isn't marked
-  LegendMark mark = LegendMark::triangle;
-  std::string color;
-  LineStyle style = LineStyle::solid;  ///< of its line in the marginals
-};
-
 /// Samples of one posterior.
 struct SampleSet {
   std::string name;   ///< such as "NPDR (MAF)"
@@ -39,19 +29,18 @@ struct SampleSet {
 struct PairPlot {
   std::string name;  ///< of the files: letters, digits, '_' and '-'
   std::vector<PairParameter> parameters;
-  std::vector<SampleSet> sets;  ///< blue, orange, purple, ...; the first is drawn on top
-  std::vector<PairPoint> points = {};
-  std::vector<Index> selection = {};  ///< parameters to show, 1 to 15; empty: the first 15
-  Index num_points = 200;             ///< of each set in an off-diagonal panel
+  std::vector<SampleSet> sets;           ///< blue, orange, purple, ...; the first is drawn on top
+  std::vector<MarkedPoint> points = {};  ///< SI
+  std::vector<Index> selection = {};     ///< parameters to show, 1 to 15; empty: the first 15
+  Index num_points = 200;                ///< of each set in an off-diagonal panel
 };
 
 /// Draws the lower triangle of scatter plots, with the marginal densities of all samples on the
 /// diagonal (analysis/density_curve.h), each over its peak, and single points marked. Off the
 /// diagonal every panel shows the same samples, evenly strided. Samples outside of the axes are not
-/// shown; a parameter that doesn't vary within a set has no density, and gets a line. Writes the
-/// figure's files and its data files into `directory`. Throws InputError for none or more
-/// than 15 parameters, more sets than there are colors, or a selection that doesn't exist;
-/// ShapeError for samples or points of another width.
-FigureFiles write_pair_plot(const PairPlot& plot, const std::filesystem::path& directory);
+/// shown; a parameter that doesn't vary within a set has no density, and gets a line. Throws
+/// InputError for none or more than 15 parameters, more sets than there are colors, or a selection
+/// that doesn't exist; ShapeError for samples or points of another width.
+Figure figure_of(const PairPlot& plot);
 
 }  // namespace npdr::analysis

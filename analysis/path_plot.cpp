@@ -48,7 +48,7 @@ std::vector<LegendEntry> legend_of(const PathPlot& plot) {
 
 }  // namespace
 
-FigureFiles write_path_plot(const PathPlot& plot, const std::filesystem::path& directory) {
+Figure figure_of(const PathPlot& plot) {
   const std::size_t count = plot.predictions.size();
   require(count > 0 && count <= kMaxMethods && !plot.fixed.empty(),
           "path plot '{}': {} methods and {} fixed polygons, must be 1 to {} and at least 1",
@@ -83,7 +83,7 @@ FigureFiles write_path_plot(const PathPlot& plot, const std::filesystem::path& d
           line("fixed", kFixedColor, 1.5), line("held_out", kHeldOutColor, 1.0),
           line("recorded", kTruthColor, 1.8)}});
   }
-  return write_figure(figure, directory);
+  return figure;
 }
 
 }  // namespace npdr::analysis

@@ -2,7 +2,6 @@
 /// shapes that may depend on the parameters.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -29,8 +28,8 @@ struct PathPlot {
 };
 
 /// Draws one panel per method, of equal scale in x and y, that shows the fixed polygons and a
-/// margin. Writes the figure's and its data files into `directory`. Throws InputError for no or too
-/// many methods, or no fixed polygon; ShapeError for points that aren't (k, 2), k >= 1.
-FigureFiles write_path_plot(const PathPlot& plot, const std::filesystem::path& directory);
+/// margin. Throws InputError for no or too many methods, or no fixed polygon; ShapeError for points
+/// that aren't (k, 2), k >= 1.
+Figure figure_of(const PathPlot& plot);
 
 }  // namespace npdr::analysis

@@ -22,7 +22,7 @@ struct ReportFigure {
 
 struct ReportSection {
   std::string title;
-  std::string prose;  ///< plain text; blank lines separate paragraphs
+  std::string prose = {};  ///< plain text; blank lines separate paragraphs
   std::vector<Table> tables = {};
   std::vector<ReportFigure> figures = {};
   std::string remarks = {};    ///< below the tables, like the prose above them

@@ -9,11 +9,8 @@
 
 namespace npdr::analysis {
 
-std::size_t Table::footnote(const std::string& text) {
-  const auto found = std::find(footnotes.begin(), footnotes.end(), text);
-  const auto index = static_cast<std::size_t>(found - footnotes.begin());
-  if (found == footnotes.end()) footnotes.push_back(text);
-  return index;
+void Table::add_footnote(const std::string& text) {
+  if (std::ranges::find(footnotes, text) == footnotes.end()) footnotes.push_back(text);
 }
 
 bool Table::is_numeric(std::size_t column) const {
@@ -30,17 +27,13 @@ void Table::check() const {
                                    row.label, row.cells.size(), columns.size()));
     }
     for (const Cell& cell : row.cells) {
-      for (const std::size_t note : cell.notes) {
-        if (note < footnotes.size()) continue;
-        throw ShapeError(fmt::format("table '{}': row '{}' refers to footnote {} of {}", name,
-                                     row.label, note, footnotes.size()));
+      for (const std::string& note : cell.notes) {
+        if (std::ranges::find(footnotes, note) != footnotes.end()) continue;
+        throw ShapeError(fmt::format("table '{}': row '{}' refers to '{}', which is no footnote",
+                                     name, row.label, note));
       }
     }
   }
-}
-
-std::string column_title(const Column& column) {
-  return column.published ? column.title + ", published" : column.title;
 }
 
 std::string footnote_mark(std::size_t index) {

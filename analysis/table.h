@@ -17,8 +17,8 @@ struct MeanStd {
   Index n = 0;
 };
 
-/// One cell: nothing, a text, a number, a count, or a mean with its spread; and the footnotes it
-/// refers to.
+/// One cell: nothing, a text, a number, a count, or a mean with its spread; and the footnotes that
+/// it refers to.
 struct Cell {
   using Value = std::variant<std::monostate, std::string, double, Index, MeanStd>;
 
@@ -31,12 +31,7 @@ struct Cell {
   Cell(const Summary& summary) : value(MeanStd{summary.mean, summary.std, summary.n}) {}
 
   Value value;
-  std::vector<std::size_t> notes;  ///< indices into Table::footnotes
-};
-
-struct Column {
-  std::string title;
-  bool published = false;  ///< figures from the paper rather than from this run
+  std::vector<std::string> notes = {};  ///< texts, each of them one of Table::footnotes
 };
 
 struct Row {
@@ -48,26 +43,23 @@ struct Row {
 struct Table {
   std::string name;  ///< of its files and label: letters, digits, '_' and '-'
   std::string caption;
-  std::string row_header;  ///< over the labels of the rows
-  std::vector<Column> columns;
-  std::vector<Row> rows;
-  std::vector<std::string> footnotes;
-  std::string command;     ///< what made it; empty: not said
-  bool is_folded = false;  ///< on a page: shown when asked for
+  std::string row_header;                 ///< over the labels of the rows
+  std::vector<std::string> columns = {};  ///< titles
+  std::vector<Row> rows = {};
+  std::vector<std::string> footnotes = {};
+  std::string command = {};  ///< what made it; empty: not said
+  bool is_folded = false;    ///< on a page: shown when asked for
 
-  /// The index of the footnote with this text, which is added when there is none yet.
-  std::size_t footnote(const std::string& text);
+  /// Adds a footnote, unless there is one with this text.
+  void add_footnote(const std::string& text);
 
   /// True when no cell of the column is a text, so that it reads best flush right.
   bool is_numeric(std::size_t column) const;
 
   /// Throws ShapeError when a row has more or fewer cells than there are columns, or a cell refers
-  /// to a footnote that doesn't exist; InputError for a name that can't be a file's.
+  /// to a footnote that the table doesn't have; InputError for a name that can't be a file's.
   void check() const;
 };
-
-/// "NPDR (MAF)", or "NPDR (MAF), published".
-std::string column_title(const Column& column);
 
 /// The mark of footnote 0, 1, ...: "a", ..., "z", "aa", "ab", ...
 std::string footnote_mark(std::size_t index);

@@ -35,7 +35,7 @@ std::string to_csv(const Table& table) {
   table.check();
   std::string text = quote_csv(table.row_header);
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    const std::string title = column_title(table.columns[c]);
+    const std::string& title = table.columns[c];
     if (has_means(table, c)) {
       for (const char* part : {" mean", " std", " n"}) text += ',' + quote_csv(title + part);
     } else {

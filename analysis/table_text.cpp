@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <set>
 
 #include "core/printable.h"
@@ -9,21 +10,22 @@
 namespace npdr::analysis {
 namespace {
 
-// The mark of each footnote: a, b, ... of those that cells refer to; none of those that are about
-// the table as a whole.
-std::vector<std::string> footnote_marks(const Table& table) {
-  std::vector<std::string> marks(table.footnotes.size());
-  std::set<std::size_t> referred;
+using Marks = std::map<std::string, std::string>;  // of footnotes, by their texts
+
+// a, b, ... of those that cells refer to; none of those that are about the table as a whole.
+Marks footnote_marks(const Table& table) {
+  std::set<std::string> referred;
   for (const Row& row : table.rows) {
     for (const Cell& cell : row.cells) referred.insert(cell.notes.begin(), cell.notes.end());
   }
-  std::size_t count = 0;
-  for (const std::size_t note : referred) marks[note] = footnote_mark(count++);
+  Marks marks;
+  for (const std::string& note : table.footnotes) {
+    if (referred.contains(note)) marks.emplace(note, footnote_mark(marks.size()));
+  }
   return marks;
 }
 
-std::string cell_text(const Cell& cell, const Markup& markup,
-                      const std::vector<std::string>& marks) {
+std::string cell_text(const Cell& cell, const Markup& markup, const Marks& marks) {
   std::string text;
   if (const auto* words = std::get_if<std::string>(&cell.value)) {
     text = markup.escape(*words);
@@ -34,8 +36,8 @@ std::string cell_text(const Cell& cell, const Markup& markup,
   } else if (const auto* mean_std = std::get_if<MeanStd>(&cell.value)) {
     text = mean_std_text(mean_std->mean, mean_std->std, markup.numbers);
   }
-  for (const std::size_t note : cell.notes) {
-    text += fmt::format(fmt::runtime(markup.note), marks[note]);
+  for (const std::string& note : cell.notes) {
+    text += fmt::format(fmt::runtime(markup.note), marks.at(note));
   }
   return text;
 }
@@ -44,8 +46,8 @@ std::string cell_text(const Cell& cell, const Markup& markup,
 
 std::vector<std::vector<std::string>> text_grid(const Table& table, const Markup& markup) {
   std::vector<std::vector<std::string>> grid(1, {markup.escape(table.row_header)});
-  for (const Column& column : table.columns) grid[0].push_back(markup.escape(column_title(column)));
-  const std::vector<std::string> marks = footnote_marks(table);
+  for (const std::string& title : table.columns) grid[0].push_back(markup.escape(title));
+  const Marks marks = footnote_marks(table);
   for (const Row& row : table.rows) {
     grid.push_back({markup.escape(row.label)});
     for (const Cell& cell : row.cells) grid.back().push_back(cell_text(cell, markup, marks));
@@ -58,12 +60,12 @@ bool flush_right(const Table& table, std::size_t grid_column) {
 }
 
 std::string footnote_lines(const Table& table, const Markup& markup, const char* line) {
-  const std::vector<std::string> marks = footnote_marks(table);
+  const Marks marks = footnote_marks(table);
   std::string text;
-  for (std::size_t i = 0; i < marks.size(); ++i) {
-    std::string words = markup.escape(table.footnotes[i]);
-    if (!marks[i].empty()) {
-      const std::string mark = fmt::format(fmt::runtime(markup.note), marks[i]);
+  for (const std::string& note : table.footnotes) {
+    std::string words = markup.escape(note);
+    if (marks.contains(note)) {
+      const std::string mark = fmt::format(fmt::runtime(markup.note), marks.at(note));
       words = mark.substr(mark.find_first_not_of(' ')) + ' ' + words;
     }
     text += fmt::format(fmt::runtime(line), words);

@@ -96,8 +96,7 @@ std::vector<LegendEntry> legend_of(const TrajectoryPlot& plot) {
 
 }  // namespace
 
-FigureFiles write_trajectory_plot(const TrajectoryPlot& plot, const Target& target,
-                                  const std::filesystem::path& directory) {
+Figure figure_of(const TrajectoryPlot& plot, const Target& target) {
   require(
       plot.predictions.size() <= kMaxMethods && plot.max_points >= 2 && plot.store_every >= 1,
       "trajectory plot '{}': {} methods, max_points = {}, store_every = {}; must be at most {}, "
@@ -130,7 +129,7 @@ FigureFiles write_trajectory_plot(const TrajectoryPlot& plot, const Target& targ
   for (std::size_t i = 0; i < rollouts.size(); ++i) {
     figure.panels[i].title = target.rollouts[static_cast<std::size_t>(rollouts[i])].name;
   }
-  return write_figure(figure, directory);
+  return figure;
 }
 
 }  // namespace npdr::analysis

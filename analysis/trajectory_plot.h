@@ -1,7 +1,6 @@
 /// Recorded rollouts against what the simulator predicts under a posterior.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -30,11 +29,9 @@ struct TrajectoryPlot {
 
 /// Draws a panel per channel (rows) and rollout (columns): the recorded series in black, and each
 /// method's median on its band. Every row has one range of values: that of the recorded series, and
-/// what medians add to it within three times its size and bands within one on either side. Writes
-/// the figure's and its data files into `directory`. Throws InputError for more methods than there
-/// are colors, or rollouts and channels that don't exist or are too many; ShapeError for bands of
-/// another shape than the target.
-FigureFiles write_trajectory_plot(const TrajectoryPlot& plot, const Target& target,
-                                  const std::filesystem::path& directory);
+/// what medians add to it within three times its size and bands within one on either side. Throws
+/// InputError for more methods than there are colors, or rollouts and channels that don't exist or
+/// are too many; ShapeError for bands of another shape than the target.
+Figure figure_of(const TrajectoryPlot& plot, const Target& target);
 
 }  // namespace npdr::analysis

@@ -184,7 +184,7 @@ void run(const Options& options) {
   table.caption = "Scores of held-out rollouts.";
   table.row_header = "Posterior";
   for (const char* title : {"CRPS", "CRPS with noise", "90 % bands", "with noise"}) {
-    table.columns.push_back({title, false});
+    table.columns.emplace_back(title);
   }
   table.rows.push_back(row_of(plan, "the same for all rollouts", infer(plan, kSamples)));
 

@@ -214,10 +214,10 @@ analysis::Table empty_table(const KnownPosterior& task, const Options& options) 
       options.seed);
   table.row_header = "Method";
   for (const Index n : options.num_simulations) {
-    table.columns.push_back({fmt::format("{} simulations", n), false});
+    table.columns.push_back(fmt::format("{} simulations", n));
   }
-  table.columns.push_back({fmt::format("training, {} [s]", options.num_simulations.back()), false});
-  table.columns.push_back({fmt::format("{} samples [s]", options.num_samples), false});
+  table.columns.push_back(fmt::format("training, {} [s]", options.num_simulations.back()));
+  table.columns.push_back(fmt::format("{} samples [s]", options.num_samples));
   return table;
 }
 

@@ -134,9 +134,7 @@ void print(const std::string& method, const Outcome& outcome,
   table.caption = fmt::format("{}, {} truths: p = {:.3f} that ranks are as uneven by chance.",
                               method, outcome.ranks.rows(), sbc.p_value);
   table.row_header = "Parameter";
-  for (const char* title : {"50 % hold it", "90 % hold it", "deviation / prior's", "p"}) {
-    table.columns.push_back({title, false});
-  }
+  table.columns = {"50 % hold it", "90 % hold it", "deviation / prior's", "p"};
   const auto add = [&](const std::string& label, const auto& ranks, double width, double p) {
     const Vector all = ranks.reshaped();
     table.rows.push_back({label,

@@ -25,29 +25,21 @@ sim::ChannelNoise channel_noise(const ObservationNoise& noise, const std::string
   return channel;
 }
 
-sim::NoiseModel make(const Study& study, const Target& target, const std::vector<Index>& channels) {
-  const RowMatrix amplitude = sim::reference_amplitude(target);
+}  // namespace
+
+sim::NoiseModel noise_model(const Study& study, const Target& target, std::vector<Index> channels) {
+  if (channels.empty()) {
+    channels.resize(target.state_channels.size());
+    std::iota(channels.begin(), channels.end(), Index{0});
+  }
   std::vector<sim::ChannelNoise> noise;
   for (const Index c : channels) {
     const std::string& label = target.state_channels[static_cast<std::size_t>(c)].label;
     noise.push_back(channel_noise(study.observation_noise, label));
   }
-  return {noise, amplitude(Eigen::all, channels),
+  return {noise, sim::reference_amplitude(target)(Eigen::all, channels),
           sim::stored_restarts(target.num_steps(), study.simulator.segment_length,
                                study.simulator.store_every)};
-}
-
-}  // namespace
-
-sim::NoiseModel noise_model(const Study& study, const Target& target) {
-  std::vector<Index> all(static_cast<std::size_t>(target.num_states()));
-  std::iota(all.begin(), all.end(), Index{0});
-  return make(study, target, all);
-}
-
-sim::NoiseModel noise_model(const Study& study, const Target& target,
-                            const inference::SeriesSelection& selection) {
-  return make(study, target, selection.channels);
 }
 
 }  // namespace npdr::pipeline

@@ -46,7 +46,7 @@ Observation::Observation(const Study& study, Target target)
       states_(observed_states(study, target_)) {}
 
 sim::NoiseModel Observation::noise_of(const inference::SeriesSelection& selection) const {
-  return noise_model(study_, target_, selection);
+  return noise_model(study_, target_, selection.channels);
 }
 
 std::vector<float> Observation::picked(const inference::SeriesSelection& selection) const {

@@ -87,6 +87,11 @@ bool predicts_features(const ReportData& data) {
   return !data.methods.empty() && data.plan.study.source().predicts_features();
 }
 
+bool has_rollout_scores(const ReportData& data) {
+  return std::ranges::any_of(
+      data.runs, [](const EvaluatedRun& run) { return run.evaluation.scores.seen.has_value(); });
+}
+
 bool evaluates_rounds(const ReportData& data) {
   const EvaluateConfig& evaluate = data.plan.study.evaluate;
   return has_posteriors(data) && evaluate.rounds == EvaluatedRounds::all &&

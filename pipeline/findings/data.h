@@ -81,6 +81,7 @@ struct ReportData {
 bool has_posteriors(const ReportData& data);
 bool evaluates_rounds(const ReportData& data);
 bool predicts_features(const ReportData& data);
+bool has_rollout_scores(const ReportData& data);
 bool has_policies(const ReportData& data);
 
 /// One number for each item: (items).

@@ -1,59 +1,82 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "analysis/calibration_plot.h"
 #include "pipeline/config/check.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
+#include "pipeline/report/table_parts.h"
 
 namespace npdr::pipeline {
 namespace {
 
-// A check that measures coverage, and which regions it is the coverage of.
-struct CoverageCheck {
-  Check check;
-  const char* title;
-  std::optional<CoverageResult> Diagnosis::*result;
-};
-constexpr CoverageCheck kCoverageChecks[] = {
-    {Check::coverage, "highest density", &Diagnosis::coverage},
-    {Check::tarp, "balls (TARP)", &Diagnosis::tarp}};
-
-analysis::ReportFigure make_coverage_figure(const ReportData& data,
-                                            const std::filesystem::path& folder) {
-  analysis::CoveragePlot plot;
-  plot.name = "coverage";
-  for (const CoverageCheck& kind : kCoverageChecks) {
-    analysis::CoveragePanel panel{kind.title, {}};
-    for (const std::string& method : drawn_methods_with(data, kind.check)) {
-      const CoverageResult& result = *(first_diagnosis(data, method).*kind.result);
-      plot.num_truths = std::max(plot.num_truths, result.levels.size());
-      panel.curves.push_back({method, result.coverage.level, result.coverage.coverage});
-    }
-    if (!panel.curves.empty()) plot.panels.push_back(std::move(panel));
+// Adds a panel with the curves that methods have.
+template <class CurveOf>
+void add_panel(const ReportData& data, const char* title, const CurveOf& curve_of,
+               analysis::CoveragePlot& plot) {
+  analysis::CoveragePanel panel{title, {}};
+  for (const std::string& method : drawn_methods(data.methods)) {
+    analysis::CoverageCurve curve = curve_of(method);
+    curve.method = method;
+    if (curve.level.size() > 0) panel.curves.push_back(std::move(curve));
   }
-  return {analysis::write_coverage_plot(plot, folder).svg,
-          fmt::format(
-              "Share of true parameters within the credible regions of each level, seed {}. "
-              "Of levels above 1/2: below the diagonal posteriors are too narrow, or beside the "
-              "truth, above it too wide; of levels below 1/2 so are regions of highest density, "
-              "and balls the other way round. Gray: 99 % of the curves of a posterior without "
-              "fault, level by level.{}",
-              data.seeds.front(), left_out_methods(data.methods))};
-}
-
-bool has_coverage_figure(const ReportData& data) {
-  return std::ranges::any_of(kCoverageChecks, [&](const CoverageCheck& check) {
-    return !drawn_methods_with(data, check.check).empty();
-  });
+  if (!panel.curves.empty()) plot.panels.push_back(std::move(panel));
 }
 
 }  // namespace
 
 /// Coverage of credible regions by their level, of the first seed.
-FigureEntry coverage_figure() {
-  return {Section::diagnostics, has_coverage_figure, make_coverage_figure};
+std::optional<ReportedFigure> coverage_figure(const ReportData& data) {
+  analysis::CoveragePlot plot{"coverage", {}};
+  const auto add = [&](Check check, const char* title, auto result_of) {
+    add_panel(
+        data, title,
+        [&](const std::string& method) -> analysis::CoverageCurve {
+          if (!data.checks_of(method).has(check)) return {};
+          const CoverageResult& result = *(first_diagnosis(data, method).*result_of);
+          plot.num_truths = std::max(plot.num_truths, result.levels.size());
+          return {"", result.coverage.level, result.coverage.coverage};
+        },
+        plot);
+  };
+  add(Check::coverage, "highest density", &Diagnosis::coverage);
+  add(Check::tarp, "balls (TARP)", &Diagnosis::tarp);
+  if (plot.panels.empty()) return std::nullopt;
+  return {{figure_of(plot),
+           fmt::format(
+               "Share of true parameters within the credible regions of each level, seed {}. "
+               "Of levels above 1/2: below the diagonal posteriors are too narrow, or beside the "
+               "truth, above it too wide; of levels below 1/2 so are regions of highest density, "
+               "and balls the other way round. Gray: 99 % of the curves of a posterior without "
+               "fault, level by level.{}",
+               data.seeds.front(), left_out_methods(data.methods))}};
+}
+
+/// Coverage of predictive bands by their level, of the first seed.
+std::optional<ReportedFigure> band_figure(const ReportData& data) {
+  if (!has_rollout_scores(data)) return std::nullopt;
+  analysis::CoveragePlot plot{"bands", {}};
+  const Eigen::Map<const Vector> levels(kBandLevels.data(), std::ssize(kBandLevels));
+  const auto add = [&](const char* title, auto scores_of, auto coverage_of) {
+    add_panel(
+        data, title,
+        [&](const std::string& method) -> analysis::CoverageCurve {
+          const auto& scores = data.runs_of(method).front()->evaluation.scores.*scores_of;
+          if (!scores || ((*scores).*coverage_of).size() == 0) return {};
+          return {"", levels, ((*scores).*coverage_of).rowwise().mean()};  // over channels
+        },
+        plot);
+  };
+  using S = PredictionScores;
+  add("target rollouts", &RolloutScores::seen, &S::coverage);
+  add("target rollouts, with noise", &RolloutScores::seen, &S::noisy_coverage);
+  add("held out", &RolloutScores::held_out, &S::coverage);
+  add("held out, with noise", &RolloutScores::held_out, &S::noisy_coverage);
+  return {{figure_of(plot),
+           fmt::format("Share of the recorded states within the samples' central bands of each "
+                       "level, mean over channels, seed {}. Below the diagonal: too sure of "
+                       "itself, above: too vague.{}{}",
+                       data.seeds.front(), noiseless_bands_text(data.plan.study),
+                       left_out_methods(data.methods))}};
 }
 
 }  // namespace npdr::pipeline

@@ -29,9 +29,7 @@ Surprise surprise_of(const ReportData& data, const std::string& method) {
   const Index count = data.target.num_states();
   Surprise surprise{RowMatrix(count, std::ssize(analysis::kIntervalLevels)), Vector(count)};
   for (Index f = 0; f < count; ++f) {
-    const Vector x = pooled(data.runs_of(method), [f](const EvaluatedRun* run) -> Vector {
-      return run->evaluation.x->col(f).cast<double>();
-    });
+    const Vector x = predicted_feature(data, method, f);
     const analysis::Summary summary = analysis::summarize(x);
     // Predictions are floats. One that never varies is far away, unless it is what was observed.
     const double x_o = static_cast<float>(data.target.rollouts.front().states(1, f));
@@ -63,8 +61,11 @@ std::vector<Index> worst_first(const std::vector<Surprise>& surprises) {
   return order;
 }
 
-analysis::ReportFigure make_feature_figure(const ReportData& data,
-                                           const std::filesystem::path& folder) {
+}  // namespace
+
+/// Where the observed features lie among the predicted ones.
+std::optional<ReportedFigure> feature_figure(const ReportData& data) {
+  if (!predicts_features(data)) return std::nullopt;
   const std::vector<std::string> methods = drawn_methods(data.methods);
   std::vector<Surprise> surprises;
   for (const std::string& method : methods) surprises.push_back(surprise_of(data, method));
@@ -91,16 +92,11 @@ analysis::ReportFigure make_feature_figure(const ReportData& data,
   const std::string which =
       count > kMostFeatures ? fmt::format("the {} that surprise most of {}", kMostFeatures, count)
                             : "all";
-  return {analysis::write_interval_plot(plot, folder).svg,
-          fmt::format("Features, {}, the greatest surprise first: median, 50 % (thick) and 90 % "
-                      "interval of the posterior predictive distribution, all seeds, relative to "
-                      "the observation, in standard deviations of it.{}",
-                      which, left_out_methods(data.methods))};
+  return {{figure_of(plot),
+           fmt::format("Features, {}, the greatest surprise first: median, 50 % (thick) and 90 % "
+                       "interval of the posterior predictive distribution, all seeds, relative to "
+                       "the observation, in standard deviations of it.{}",
+                       which, left_out_methods(data.methods))}};
 }
-
-}  // namespace
-
-/// Where the observed features lie among the predicted ones.
-FigureEntry feature_figure() { return {Section::fit, predicts_features, make_feature_figure}; }
 
 }  // namespace npdr::pipeline

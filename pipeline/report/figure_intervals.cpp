@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "analysis/interval_plot.h"
+#include "analysis/report.h"
 #include "core/normal.h"
 #include "inference/prior.h"
 #include "pipeline/report/figure_parts.h"
@@ -59,9 +60,9 @@ analysis::IntervalPlot plot_of(const ReportData& data) {
     plot.sets.push_back(
         {method, interval_quantiles(place_in_prior(prior, samples_within(data, method), shown))});
   }
-  for (const MarkedPoint& point : marked_points(data)) {
-    const RowMatrix place = place_in_prior(prior, point.theta.transpose(), shown);
-    plot.points.push_back({point.name, place.transpose(), point.mark, point.color});
+  plot.points = marked_points(data);
+  for (analysis::MarkedPoint& point : plot.points) {
+    point.place = place_in_prior(prior, point.place.transpose(), shown).transpose().eval();
   }
   return plot;
 }
@@ -72,25 +73,22 @@ std::string note_on_periods(const ReportData& data) {
   return has_any ? " Of a periodic parameter, up to the border of its range." : "";
 }
 
-analysis::ReportFigure make_interval_figure(const ReportData& data,
-                                            const std::filesystem::path& folder) {
-  analysis::IntervalPlot plot = plot_of(data);
-  const std::filesystem::path svg = analysis::write_interval_plot(plot, folder).svg;
-  plot.name += "_narrow";
-  plot.width = analysis::kNarrowWidth;
-  return {svg,
-          fmt::format("What the posteriors say of each parameter, all seeds: median, 50 % interval "
-                      "(thick) and 90 % interval, within what the prior allows (grey).{}{}{}",
-                      note_on_periods(data), left_out_methods(data.methods),
-                      left_out_parameters(data.plan.study)),
-          analysis::write_interval_plot(plot, folder).svg};
-}
-
 }  // namespace
 
 /// Credible intervals of each method's posterior within the prior.
-FigureEntry interval_figure() {
-  return {Section::posteriors, has_posteriors, make_interval_figure};
+std::optional<ReportedFigure> interval_figure(const ReportData& data) {
+  if (!has_posteriors(data)) return std::nullopt;
+  const analysis::IntervalPlot plot = plot_of(data);
+  analysis::IntervalPlot narrow = plot;
+  narrow.name += "_narrow";
+  narrow.width = analysis::kNarrowWidth;
+  return {{figure_of(plot),
+           fmt::format("What the posteriors say of each parameter, all seeds: median, 50 % "
+                       "interval (thick) and 90 % interval, within what the prior allows "
+                       "(grey).{}{}{}",
+                       note_on_periods(data), left_out_methods(data.methods),
+                       left_out_parameters(data.plan.study)),
+           figure_of(narrow)}};
 }
 
 }  // namespace npdr::pipeline

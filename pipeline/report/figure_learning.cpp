@@ -5,6 +5,7 @@
 #include "analysis/curve_plot.h"
 #include "core/text.h"
 #include "pipeline/report/figure_parts.h"
+#include "pipeline/report/policy_parts.h"
 #include "pipeline/report/registry.h"
 
 namespace npdr::pipeline {
@@ -27,46 +28,40 @@ std::string new_beliefs(const ReportData& data) {
 // the other, and after the last.
 Vector learning_curve(const ReportData& data, const std::string& method, std::uint64_t seed) {
   Vector curve;
-  for (const auto& run : data.policies) {  // iterations of one seed are in their order
-    if (run.use.method != method || run.use.seed != seed) continue;
+  for (const PolicyHistory* history : histories_of(data, method, seed)) {
     const Index kept = std::max<Index>(0, curve.size() - 1);
-    const Vector& returns = run.result.mean_return;
-    curve.conservativeResize(kept + returns.size());
-    curve.tail(returns.size()) = returns;
+    curve.conservativeResize(kept + history->mean_return.size());
+    curve.tail(history->mean_return.size()) = history->mean_return;
   }
   return curve;
 }
 
 analysis::Curve curve_of(const ReportData& data, const std::string& method) {
-  std::vector<Vector> curves;
+  RowMatrix experiments;
   for (const std::uint64_t seed : data.seeds) {
-    curves.push_back(learning_curve(data, method, seed));
+    const Vector curve = learning_curve(data, method, seed);
+    experiments.conservativeResize(curve.size(), experiments.cols() + 1);
+    experiments.rightCols(1) = curve;
   }
-  const Index length = curves.front().size();
-  RowMatrix experiments(length, static_cast<Index>(curves.size()));
-  for (std::size_t s = 0; s < curves.size(); ++s) {
-    experiments.col(static_cast<Index>(s)) = curves[s];
-  }
+  const Index length = experiments.rows();
   const Vector x = Vector::LinSpaced(length, 0.0, static_cast<double>(length - 1));
   return analysis::curve_of(method, x, experiments);
-}
-
-analysis::ReportFigure make_learning_figure(const ReportData& data,
-                                            const std::filesystem::path& folder) {
-  analysis::CurvePlot plot{"policy_learning", "search iteration", "mean return", {}};
-  for (const std::string& method : drawn_methods(data.policy_methods())) {
-    plot.curves.push_back(curve_of(data, method));
-  }
-  return {
-      analysis::write_curve_plot(plot, folder).svg,
-      fmt::format("Return of the current policy under what its method believes, mean and "
-                  "standard deviation over {}.{}{}",
-                  data.experiments(), new_beliefs(data), left_out_methods(data.policy_methods()))};
 }
 
 }  // namespace
 
 /// Learning curves of the searches for policies.
-FigureEntry learning_figure() { return {Section::policies, has_policies, make_learning_figure}; }
+std::optional<ReportedFigure> learning_figure(const ReportData& data) {
+  if (!has_policies(data)) return std::nullopt;
+  analysis::CurvePlot plot{"policy_learning", "search iteration", "mean return", {}};
+  for (const std::string& method : drawn_methods(data.policy_methods())) {
+    plot.curves.push_back(curve_of(data, method));
+  }
+  return {{figure_of(plot),
+           fmt::format("Return of the current policy under what its method believes, mean and "
+                       "standard deviation over {}.{}{}",
+                       data.experiments(), new_beliefs(data),
+                       left_out_methods(data.policy_methods()))}};
+}
 
 }  // namespace npdr::pipeline

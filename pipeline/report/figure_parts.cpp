@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
 #include <numeric>
 
 #include "analysis/interval_plot.h"
@@ -37,8 +35,7 @@ std::vector<Index> shown_parameters(const Study& study) {
     std::iota(shown.begin(), shown.end(), Index{0});
   }
   for (const std::string& name : study.report.parameters) {
-    const auto found = std::find_if(study.prior.begin(), study.prior.end(),
-                                    [&](const auto& m) { return m.name == name; });
+    const auto found = std::ranges::find(study.prior, name, &inference::Marginal::name);
     shown.push_back(found - study.prior.begin());
   }
   return shown;
@@ -50,9 +47,9 @@ std::string left_out_parameters(const Study& study) {
   return fmt::format(" {} of {} parameters.", shown, study.prior.size());
 }
 
-std::vector<MarkedPoint> marked_points(const ReportData& data) {
+std::vector<analysis::MarkedPoint> marked_points(const ReportData& data) {
   using analysis::LegendMark, analysis::LineStyle;
-  std::vector<MarkedPoint> points;
+  std::vector<analysis::MarkedPoint> points;
   const auto mark = [&](const std::string& name, LegendMark shape, const char* color,
                         LineStyle line) {
     const auto found = std::ranges::find(data.baseline.points, name, &BaselinePoint::name);

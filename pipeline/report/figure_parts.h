@@ -23,16 +23,8 @@ std::vector<Index> shown_parameters(const Study& study);
 /// As left_out_methods(): " 2 of 16 parameters."
 std::string left_out_parameters(const Study& study);
 
-/// One parameter vector that figures mark.
-struct MarkedPoint {
-  std::string name;
-  Vector theta;  ///< (D)
-  analysis::LegendMark mark;
-  std::string color;
-  analysis::LineStyle line;
-};
 /// Nominal, truth and the first references.
-std::vector<MarkedPoint> marked_points(const ReportData& data);
+std::vector<analysis::MarkedPoint> marked_points(const ReportData& data);
 
 /// Quantiles of each column of samples (n, D) at analysis::kIntervalLevels, (D, 5); samples that
 /// aren't finite are left out. NaN where none is left.

@@ -45,14 +45,20 @@ std::vector<RowMatrix> fixed_outlines(const ReportData& data) {
   return fixed;
 }
 
-analysis::ReportFigure make_path_figure(const ReportData& data,
-                                        const std::filesystem::path& folder) {
+}  // namespace
+
+/// Paths and shapes of a system that moves on a plane, seen from above: at posterior samples of the
+/// first seed, against the target and the held-out rollouts.
+std::optional<ReportedFigure> path_figure(const ReportData& data) {
+  if (!has_posteriors(data) || !data.plan.study.source().is_built_in) return std::nullopt;
+  const std::vector<RowMatrix> fixed = fixed_outlines(data);
+  if (fixed.empty()) return std::nullopt;
   const Predictor predictor(data.plan, data.target, "");
   const auto simulator = sim::make_simulator(data.plan.study.simulator);
   analysis::PathPlot plot;
   plot.name = "paths";
   plot.unit = data.target.state_channels.front().unit;
-  plot.fixed = fixed_outlines(data);
+  plot.fixed = fixed;
   plot.recorded = recorded_paths(data.target);
   if (data.held_out) plot.held_out = recorded_paths(*data.held_out);
   for (const std::string& method : drawn_methods(data.methods)) {
@@ -61,21 +67,10 @@ analysis::ReportFigure make_path_figure(const ReportData& data,
                                        *simulator,
                                        theta.topRows(std::min(kDrawnSamples, theta.rows()))));
   }
-  return {analysis::write_path_plot(plot, folder).svg,
-          fmt::format("Seen from above: the target's paths, and paths and shapes at the first {} "
-                      "posterior samples of seed {}. Black: what no parameter moves.{}",
-                      kDrawnSamples, data.seeds.front(), left_out_methods(data.methods))};
+  return {{figure_of(plot),
+           fmt::format("Seen from above: the target's paths, and paths and shapes at the first {} "
+                       "posterior samples of seed {}. Black: what no parameter moves.{}",
+                       kDrawnSamples, data.seeds.front(), left_out_methods(data.methods))}};
 }
-
-bool has_path_figure(const ReportData& data) {
-  return has_posteriors(data) && data.plan.study.source().is_built_in &&
-         !fixed_outlines(data).empty();
-}
-
-}  // namespace
-
-/// Paths and shapes of a system that moves on a plane, seen from above: at posterior samples of the
-/// first seed, against the target and the held-out rollouts.
-FigureEntry path_figure() { return {Section::fit, has_path_figure, make_path_figure}; }
 
 }  // namespace npdr::pipeline

@@ -9,10 +9,10 @@ namespace npdr::pipeline {
 namespace {
 
 // Mean over initial states and seeds at each point of the grid, (X, Y).
-RowMatrix grid_means(const ReportData& data, const std::string& method, bool is_before,
+RowMatrix grid_means(const ReportData& data, const std::string& method, Searches searches,
                      Outcome outcome) {
   const PolicyGrid& grid = data.plan.study.policy.grid;
-  const auto tests = tests_of(data, method, is_before);
+  const auto tests = tests_of(data, method, searches);
   const auto num_x = static_cast<Index>(grid.x.points().size());
   const auto num_y = static_cast<Index>(grid.y.points().size());
   RowMatrix sum = RowMatrix::Zero(num_x * num_y, 1);
@@ -36,52 +36,41 @@ std::pair<double, double> center(const ReportData& data) {
           theta(sim::parameter_index(data.info, study.policy.grid.y.parameter))};
 }
 
-analysis::HeatMapPlot plot_of(const ReportData& data, Outcome outcome) {
+// `plot`: its name and scale.
+std::optional<ReportedFigure> figure_of_maps(const ReportData& data, analysis::HeatMapPlot plot,
+                                             Outcome outcome, const char* value) {
   const PolicyGrid& grid = data.plan.study.policy.grid;
-  analysis::HeatMapPlot plot;
+  const std::vector<std::string> methods = data.policy_methods();
+  if (methods.empty() || !grid.is_used()) return std::nullopt;
   plot.x = axis_of(data, grid.x);
   plot.y = axis_of(data, grid.y);
   plot.mark = center(data);
-  const std::vector<std::string> methods = drawn_methods(data.policy_methods());
-  plot.maps.push_back({"before any search", grid_means(data, methods.front(), true, outcome)});
-  for (const std::string& method : methods) {
-    plot.maps.push_back({method, grid_means(data, method, false, outcome)});
+  plot.maps.push_back(
+      {"before any search", grid_means(data, methods.front(), Searches::before, outcome)});
+  for (const std::string& method : drawn_methods(methods)) {
+    plot.maps.push_back({method, grid_means(data, method, Searches::after, outcome)});
   }
-  return plot;
-}
-
-std::string caption_of(const ReportData& data, const char* value) {
-  return fmt::format(
-      "{} over domain parameters, mean over initial states and experiments (seeds). Diamond: {}, "
-      "which gives all other parameters.{}",
-      value, data.plan.study.target.truth ? "the target domain" : "nominal",
-      left_out_methods(data.policy_methods()));
-}
-
-analysis::ReportFigure make_return(const ReportData& data, const std::filesystem::path& folder) {
-  analysis::HeatMapPlot plot = plot_of(data, &PolicyOutcomes::returns);
-  plot.name = "policy_grid_return";
-  plot.value_title = "mean return";
-  plot.high = static_cast<double>(task_info(data).num_steps);
-  return {analysis::write_heat_maps(plot, folder).svg, caption_of(data, "Return")};
-}
-
-analysis::ReportFigure make_success(const ReportData& data, const std::filesystem::path& folder) {
-  analysis::HeatMapPlot plot = plot_of(data, &PolicyOutcomes::success);
-  plot.name = "policy_grid_success";
-  plot.value_title = "share of successes";
-  plot.high = 1.0;
-  return {analysis::write_heat_maps(plot, folder).svg, caption_of(data, "Share of successes")};
-}
-
-bool has_grid_figures(const ReportData& data) {
-  return has_policies(data) && is_tested_on_grid(data);
+  return {{figure_of(plot),
+           fmt::format("{} over domain parameters, mean over initial states and experiments "
+                       "(seeds). Diamond: {}, which gives all other parameters.{}",
+                       value, data.plan.study.target.truth ? "the target domain" : "nominal",
+                       left_out_methods(methods))}};
 }
 
 }  // namespace
 
-/// Maps of the policies' return, and of their successes, over the grid.
-FigureEntry grid_return_figure() { return {Section::policies, has_grid_figures, make_return}; }
-FigureEntry grid_success_figure() { return {Section::policies, has_grid_figures, make_success}; }
+/// Maps of the policies' return over the grid.
+std::optional<ReportedFigure> grid_return_figure(const ReportData& data) {
+  const double most = has_policies(data) ? static_cast<double>(task_info(data).num_steps) : 0.0;
+  return figure_of_maps(data,
+                        {.name = "policy_grid_return", .value_title = "mean return", .high = most},
+                        &PolicyOutcomes::returns, "Return");
+}
+
+/// The same of their successes.
+std::optional<ReportedFigure> grid_success_figure(const ReportData& data) {
+  return figure_of_maps(data, {.name = "policy_grid_success", .value_title = "share of successes"},
+                        &PolicyOutcomes::success, "Share of successes");
+}
 
 }  // namespace npdr::pipeline

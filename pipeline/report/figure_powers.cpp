@@ -23,8 +23,6 @@ std::vector<std::string> methods_of(const ReportData& data) {
   return methods;
 }
 
-bool has_power_figure(const ReportData& data) { return !methods_of(data).empty(); }
-
 // Means over rollouts, with a standard error to either side.
 analysis::Curve curve_of(const std::string& method, const PowerScores& scores) {
   const Vector mean = scores.crps.rowwise().mean();
@@ -33,11 +31,14 @@ analysis::Curve curve_of(const std::string& method, const PowerScores& scores) {
   return {method, scores.power.array().log10(), mean, mean - error, mean + error};
 }
 
-analysis::ReportFigure make_power_figure(const ReportData& data,
-                                         const std::filesystem::path& folder) {
+}  // namespace
+
+/// Scores of the powers of the likelihood that refinements chose from, of the first seed.
+std::optional<ReportedFigure> power_figure(const ReportData& data) {
+  const std::vector<std::string> methods = methods_of(data), drawn = drawn_methods(methods);
+  if (methods.empty()) return std::nullopt;
   analysis::CurvePlot plot{"powers", "log10 of the power", "CRPS with noise", {}};
   std::vector<std::string> taken;
-  const std::vector<std::string> methods = methods_of(data), drawn = drawn_methods(methods);
   for (const std::string& method : drawn) {
     const PosteriorNotes& notes = data.runs_of(method).front()->notes;
     plot.curves.push_back(curve_of(method, notes.powers));
@@ -45,17 +46,13 @@ analysis::ReportFigure make_power_figure(const ReportData& data,
     taken.push_back(fmt::format("{:.3g} ({}{})", chosen, method,
                                 chosen <= notes.powers.power(0) ? ", none smaller was tried" : ""));
   }
-  return {analysis::write_curve_plot(plot, folder).svg,
-          fmt::format(
-              "How well the posterior without a rollout predicts that rollout, by the power of the "
-              "likelihood: mean over the rollouts that inference sees, and its standard error, "
-              "seed {}. Chosen was the smallest power that is about as good as any: {}.{}",
-              data.seeds.front(), join(taken), left_out_methods(methods))};
+  return {
+      {figure_of(plot),
+       fmt::format(
+           "How well the posterior without a rollout predicts that rollout, by the power of the "
+           "likelihood: mean over the rollouts that inference sees, and its standard error, "
+           "seed {}. Chosen was the smallest power that is about as good as any: {}.{}",
+           data.seeds.front(), join(taken), left_out_methods(methods))}};
 }
-
-}  // namespace
-
-/// Scores of the powers of the likelihood that refinements chose from, of the first seed.
-FigureEntry power_figure() { return {Section::diagnostics, has_power_figure, make_power_figure}; }
 
 }  // namespace npdr::pipeline

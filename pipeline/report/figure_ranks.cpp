@@ -6,14 +6,15 @@
 #include "pipeline/report/registry.h"
 
 namespace npdr::pipeline {
-namespace {
 
-analysis::ReportFigure make_rank_figure(const ReportData& data,
-                                        const std::filesystem::path& folder) {
+/// Histograms of simulation-based calibration's ranks, of the first seed.
+std::optional<ReportedFigure> rank_figure(const ReportData& data) {
+  const std::vector<std::string> methods = drawn_methods_with(data, Check::sbc);
+  if (methods.empty()) return std::nullopt;
   analysis::RankPlot plot;
   plot.name = "sbc_ranks";
   for (const inference::Marginal& m : data.plan.study.prior) plot.parameters.push_back(m.name);
-  for (const std::string& method : drawn_methods_with(data, Check::sbc)) {
+  for (const std::string& method : methods) {
     const SbcResult& sbc = *first_diagnosis(data, method).sbc;
     RowMatrix counts(static_cast<Index>(sbc.test.chi_square.front().counts.size()),
                      sbc.levels.cols());
@@ -25,21 +26,12 @@ analysis::ReportFigure make_rank_figure(const ReportData& data,
     }
     plot.methods.push_back({method, counts});
   }
-  return {analysis::write_rank_plot(plot, folder).svg,
-          fmt::format("Ranks of the true parameters among posterior samples, seed {}: shares over "
-                      "the even one. Gray: the band that holds 99 % of the bars of a posterior "
-                      "without fault. Too narrow a posterior makes a U, too wide a one an arch, a "
-                      "shifted one a slope.{}",
-                      data.seeds.front(), left_out_methods(data.methods))};
+  return {{figure_of(plot),
+           fmt::format("Ranks of the true parameters among posterior samples, seed {}: shares over "
+                       "the even one. Gray: the band that holds 99 % of the bars of a posterior "
+                       "without fault. Too narrow a posterior makes a U, too wide a one an arch, a "
+                       "shifted one a slope.{}",
+                       data.seeds.front(), left_out_methods(data.methods))}};
 }
-
-bool has_rank_figure(const ReportData& data) {
-  return !drawn_methods_with(data, Check::sbc).empty();
-}
-
-}  // namespace
-
-/// Histograms of simulation-based calibration's ranks, of the first seed.
-FigureEntry rank_figure() { return {Section::diagnostics, has_rank_figure, make_rank_figure}; }
 
 }  // namespace npdr::pipeline

@@ -3,12 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/process/build_info.h"
-#include "pipeline/process/utc_time.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -48,24 +45,6 @@ Chains find_chains(const Plan& plan) {
     chains.evaluations.push_back(kEvaluationSchema.read(*node));
   }
   return chains;
-}
-
-NetcdfGroup make_group(h5::File& file, const std::string& name) {
-  NetcdfGroup group(file.create_group(name));
-  group.attributes().set_attribute("created_at", now_utc());
-  group.attributes().set_attribute("inference_library", std::string("npdr"));
-  group.attributes().set_attribute("inference_library_version", creator_version());
-  return group;
-}
-
-NetcdfGroup make_group(h5::File& file, const std::string& name, const std::vector<Index>& seeds,
-                       Index num_draws) {
-  NetcdfGroup group = make_group(file, name);
-  group.dimension("chain", seeds);
-  std::vector<Index> draws(static_cast<std::size_t>(num_draws));
-  std::iota(draws.begin(), draws.end(), Index{0});
-  group.dimension("draw", draws);
-  return group;
 }
 
 }  // namespace npdr::pipeline

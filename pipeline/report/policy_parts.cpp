@@ -14,32 +14,47 @@ bool is_tested_in_target(const ReportData& data) {
 
 bool is_tested_on_grid(const ReportData& data) { return data.plan.study.policy.grid.is_used(); }
 
+bool is_tested(const ReportData& data) {
+  return is_tested_in_target(data) || is_tested_on_grid(data);
+}
+
 std::vector<const PolicyTest*> tests_of(const ReportData& data, const std::string& method,
-                                        bool is_before) {
+                                        Searches searches) {
   std::vector<const PolicyTest*> tests;
   for (const auto& run : data.policy_tests) {
-    if (run.use.method == method && (run.use.iteration == 0) == is_before) {
-      tests.push_back(&run.result);
-    }
+    const Searches of_run = run.use.iteration == 0 ? Searches::before : Searches::after;
+    if (run.use.method == method && of_run == searches) tests.push_back(&run.result);
   }
   return tests;
 }
 
-const PolicyHistory& last_history(const ReportData& data, const std::string& method,
-                                  std::uint64_t seed) {
-  const ResultOf<PolicyHistory>* last = nullptr;
-  for (const auto& run : data.policies) {
-    if (run.use.method != method || run.use.seed != seed) continue;
-    if (last == nullptr || run.use.iteration > last->use.iteration) last = &run;
+std::vector<const PolicyHistory*> histories_of(const ReportData& data, const std::string& method,
+                                               std::uint64_t seed) {
+  std::vector<const PolicyHistory*> histories;
+  for (const auto& run : data.policies) {  // iterations of one seed are in their order
+    if (run.use.method == method && run.use.seed == seed) histories.push_back(&run.result);
   }
-  return last->result;
+  return histories;
+}
+
+TableOf<std::string> table_of_policy_methods(const ReportData& data, std::string caption) {
+  return {.caption = std::move(caption),
+          .row_header = "Method",
+          .rows = data.policy_methods(),
+          .label = std::identity()};
 }
 
 sim::PolicyTaskInfo task_info(const ReportData& data) { return make_task(data.plan.study)->info(); }
 
-bool is_used_by(const Node& node, const std::string& method, std::uint64_t seed) {
+std::vector<const Node*> nodes_of(const ReportData& data, const std::string& method,
+                                  std::uint64_t seed, const std::vector<Stage>& stages) {
   const auto is_its = [&](const Use& use) { return use.method == method && use.seed == seed; };
-  return !is_calibration(node) && std::ranges::any_of(node.uses, is_its);
+  std::vector<const Node*> nodes;
+  for (const Node& node : data.plan.nodes) {
+    const bool is_wanted = std::ranges::count(stages, node.stage) > 0 && !is_calibration(node);
+    if (is_wanted && std::ranges::any_of(node.uses, is_its)) nodes.push_back(&node);
+  }
+  return nodes;
 }
 
 std::string policy_prose(const ReportData& data) {

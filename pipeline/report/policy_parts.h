@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/findings/data.h"
+#include "pipeline/report/table_of.h"
 #include "sim/policy_task.h"
 
 namespace npdr::pipeline {
@@ -13,13 +14,17 @@ namespace npdr::pipeline {
 using Outcome = RowMatrix PolicyOutcomes::*;
 /// In the target domain or on the grid.
 using TestPlace = std::optional<PolicyOutcomes> PolicyTest::*;
+/// Of a policy: none, or all of them.
+enum class Searches { before, after };
 
 bool is_tested_in_target(const ReportData& data);
 bool is_tested_on_grid(const ReportData& data);
+/// In either.
+bool is_tested(const ReportData& data);
 
 /// Tests of a method in the order of seeds: before any search, or after the last.
 std::vector<const PolicyTest*> tests_of(const ReportData& data, const std::string& method,
-                                        bool is_before);
+                                        Searches searches);
 
 /// One outcome of all rollouts of a test, to pool.
 inline auto outcome_samples(TestPlace place, Outcome outcome) {
@@ -28,14 +33,18 @@ inline auto outcome_samples(TestPlace place, Outcome outcome) {
   };
 }
 
-/// The last history of a method and seed.
-const PolicyHistory& last_history(const ReportData& data, const std::string& method,
-                                  std::uint64_t seed);
+/// Searches of a method and seed, by iteration.
+std::vector<const PolicyHistory*> histories_of(const ReportData& data, const std::string& method,
+                                               std::uint64_t seed);
+
+/// A row for each method that has searched for a policy.
+TableOf<std::string> table_of_policy_methods(const ReportData& data, std::string caption);
 
 sim::PolicyTaskInfo task_info(const ReportData& data);
 
-/// True when an experiment uses an artefact, for other things than calibration.
-bool is_used_by(const Node& node, const std::string& method, std::uint64_t seed);
+/// Nodes of some stages that an experiment uses, for other things than calibration.
+std::vector<const Node*> nodes_of(const ReportData& data, const std::string& method,
+                                  std::uint64_t seed, const std::vector<Stage>& stages);
 
 /// The text above the tables of policies.
 std::string policy_prose(const ReportData& data);

@@ -1,11 +1,12 @@
-/// All tables and figures of a report. Adding one takes a file with its entry, and its line in the
+/// All tables and figures of a report. Adding one takes a file with its maker, and its line in the
 /// list below.
 #pragma once
 
-#include <filesystem>
-#include <vector>
+#include <optional>
+#include <string>
 
-#include "analysis/report.h"
+#include "analysis/figure.h"
+#include "analysis/table.h"
 #include "pipeline/findings/data.h"
 
 namespace npdr::pipeline {
@@ -16,68 +17,70 @@ inline constexpr Section kSections[] = {
     Section::posteriors, Section::fit,     Section::diagnostics, Section::next_steps,
     Section::policies,   Section::samples, Section::details};
 
+struct ReportedFigure {
+  analysis::Figure figure;
+  std::string caption;
+  std::optional<analysis::Figure> narrow = {};  ///< in its place where the page is narrow
+};
+
+/// A table without name and command; none where the study has nothing for it.
+using TableMaker = std::optional<analysis::Table>(const ReportData& data);
+/// The same of a figure.
+using FigureMaker = std::optional<ReportedFigure>(const ReportData& data);
+
 struct TableEntry {
   const char* name;  ///< of its files
   Section section;
-  bool (*exists)(const ReportData& data);           ///< whether the study has it
-  analysis::Table (*make)(const ReportData& data);  ///< without name and command
+  TableMaker* make;
 };
 
 struct FigureEntry {
   Section section;
-  bool (*exists)(const ReportData& data);
-  /// Writes the figure into `folder`. Throws Error.
-  analysis::ReportFigure (*make)(const ReportData& data, const std::filesystem::path& folder);
+  FigureMaker* make;
 };
 
-TableEntry fit_table();
-TableEntry features_table();
-TableEntry rounds_table();
-TableEntry proposals_table();
-TableEntry densities_table();
-TableEntry seeds_table();
-TableEntry scores_table();
-TableEntry parameters_table();
-TableEntry intervals_table();
-TableEntry noise_table();
-TableEntry contraction_table();
-TableEntry refinement_table();
-TableEntry policy_table();
-TableEntry policy_seeds_table();
-TableEntry policy_parameters_table();
-TableEntry policy_cost_table();
-TableEntry diagnostics_table();
+TableMaker fit_table, scores_table, features_table, rounds_table, proposals_table, densities_table,
+    seeds_table, parameters_table, intervals_table, noise_table, contraction_table,
+    refinement_table, policy_table, policy_seeds_table, policy_parameters_table, policy_cost_table,
+    diagnostics_table;
 
 /// In the order of the report.
-inline std::vector<TableEntry> all_tables() {
-  return {fit_table(),         scores_table(),       features_table(),
-          rounds_table(),      proposals_table(),    densities_table(),
-          seeds_table(),       parameters_table(),   intervals_table(),
-          noise_table(),       contraction_table(),  refinement_table(),
-          policy_table(),      policy_seeds_table(), policy_parameters_table(),
-          policy_cost_table(), diagnostics_table()};
-}
+inline constexpr TableEntry kTables[] = {
+    {"fit", Section::fit, fit_table},
+    {"scores", Section::fit, scores_table},
+    {"features", Section::fit, features_table},
+    {"rounds", Section::details, rounds_table},
+    {"proposals", Section::details, proposals_table},
+    {"densities", Section::details, densities_table},
+    {"seeds", Section::details, seeds_table},
+    {"parameters", Section::posteriors, parameters_table},
+    {"intervals", Section::posteriors, intervals_table},
+    {"noise", Section::posteriors, noise_table},
+    {"contraction", Section::details, contraction_table},
+    {"refinement", Section::diagnostics, refinement_table},
+    {"policy", Section::policies, policy_table},
+    {"policy_seeds", Section::policies, policy_seeds_table},
+    {"policy_parameters", Section::policies, policy_parameters_table},
+    {"policy_cost", Section::policies, policy_cost_table},
+    {"diagnostics", Section::diagnostics, diagnostics_table}};
 
-FigureEntry interval_figure();
-FigureEntry pair_figure();
-FigureEntry trajectory_figure();
-FigureEntry held_out_figure();
-FigureEntry path_figure();
-FigureEntry feature_figure();
-FigureEntry band_figure();
-FigureEntry learning_figure();
-FigureEntry grid_return_figure();
-FigureEntry grid_success_figure();
-FigureEntry rank_figure();
-FigureEntry coverage_figure();
-FigureEntry power_figure();
+FigureMaker interval_figure, pair_figure, trajectory_figure, held_out_figure, path_figure,
+    feature_figure, band_figure, learning_figure, grid_return_figure, grid_success_figure,
+    rank_figure, coverage_figure, power_figure;
 
 /// In the order of the report.
-inline std::vector<FigureEntry> all_figures() {
-  return {interval_figure(),    pair_figure(),         trajectory_figure(), held_out_figure(),
-          path_figure(),        feature_figure(),      band_figure(),       learning_figure(),
-          grid_return_figure(), grid_success_figure(), rank_figure(),       coverage_figure(),
-          power_figure()};
-}
+inline constexpr FigureEntry kFigures[] = {{Section::posteriors, interval_figure},
+                                           {Section::samples, pair_figure},
+                                           {Section::fit, trajectory_figure},
+                                           {Section::fit, held_out_figure},
+                                           {Section::fit, path_figure},
+                                           {Section::fit, feature_figure},
+                                           {Section::fit, band_figure},
+                                           {Section::policies, learning_figure},
+                                           {Section::policies, grid_return_figure},
+                                           {Section::policies, grid_success_figure},
+                                           {Section::diagnostics, rank_figure},
+                                           {Section::diagnostics, coverage_figure},
+                                           {Section::diagnostics, power_figure}};
 
 }  // namespace npdr::pipeline

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "analysis/report.h"
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
 #include "core/text.h"
@@ -93,26 +94,22 @@ analysis::ReportSection heading(Section section, const ReportData& data) {
   switch (section) {
     case Section::posteriors:
       return {.title = "Which parameters, and how sure?",
-              .prose = "",
               .remarks = pooling_text(study),
               .figures_first = true};
     case Section::fit:
       return {.title = study.source().gives_motion ? "How well do they explain the recording?"
                                                    : "How well do they explain the observation?",
-              .prose = "",
               .remarks = simulates ? study.report.caption : ""};
     case Section::diagnostics:
-      return {.title = "Can the posteriors be trusted?", .prose = ""};
+      return {.title = "Can the posteriors be trusted?"};
     case Section::next_steps:
-      return {
-          .title = "What next?", .prose = "", .code = has_posteriors(data) ? next_steps(data) : ""};
+      return {.title = "What next?", .code = has_posteriors(data) ? next_steps(data) : ""};
     case Section::policies:
       return {.title = "Policies", .prose = has_policies(data) ? policy_prose(data) : ""};
     case Section::samples:
-      return {.title = "Posterior samples", .prose = ""};
+      return {.title = "Posterior samples"};
     case Section::details:
       return {.title = "Method by method, round by round",
-              .prose = "",
               .remarks = simulates ? "" : study.report.caption,
               .is_folded = true};
   }
@@ -126,21 +123,31 @@ void add_symbols(analysis::Table& table, const std::map<std::string, std::string
   }
 }
 
+analysis::ReportFigure draw(const ReportedFigure& made, const fs::path& folder) {
+  analysis::ReportFigure figure{write_figure(made.figure, folder).svg, made.caption};
+  if (made.narrow) figure.narrow = write_figure(*made.narrow, folder).svg;
+  return figure;
+}
+
 analysis::ReportSection make_section(Section section, const ReportData& data,
                                      const fs::path& folder) {
   analysis::ReportSection made = heading(section, data);
-  for (const TableEntry& entry : all_tables()) {
-    if (entry.section != section || !entry.exists(data)) continue;
-    analysis::Table table = entry.make(data);
-    table.name = entry.name;
-    table.command = data.plan.command;
-    add_symbols(table, data.plan.study.report.symbols);
-    made.tables.push_back(std::move(table));
-  }
-  for (const FigureEntry& entry : all_figures()) {
-    if (entry.section == section && entry.exists(data)) {
-      made.figures.push_back(entry.make(data, folder / "figures"));
+  for (const TableEntry& entry : kTables) {
+    if (entry.section != section) continue;
+    std::optional<analysis::Table> table = entry.make(data);
+    if (!table) {  // an earlier report may have had it, with figures that are no longer true
+      analysis::remove_table(entry.name, folder / "tables");
+      continue;
     }
+    table->name = entry.name;
+    table->command = data.plan.command;
+    add_symbols(*table, data.plan.study.report.symbols);
+    made.tables.push_back(*std::move(table));
+  }
+  for (const FigureEntry& entry : kFigures) {
+    if (entry.section != section) continue;
+    if (const auto figure = entry.make(data))
+      made.figures.push_back(draw(*figure, folder / "figures"));
   }
   return made;
 }
@@ -176,13 +183,6 @@ std::string check_simulations(const Plan& plan) {
   }
   warn_of_dependent_failures(plan, warnings);
   return fmt::format("{}", fmt::join(warnings, "\n\n"));
-}
-
-// An earlier report may have had others, with figures that are no longer true.
-void remove_other_tables(const ReportData& data, const fs::path& folder) {
-  for (const TableEntry& entry : all_tables()) {
-    if (!entry.exists(data)) analysis::remove_table(entry.name, folder);
-  }
 }
 
 // Writes the tables; returns what the report consists of besides its page.
@@ -227,7 +227,6 @@ void run_report(const Plan& plan, const Node& node) {
   report.commands = {plan.command};
   report.provenance = provenance(data, node, making);
   const std::vector<fs::path> files = write_tables(report, folder / "tables");
-  remove_other_tables(data, folder / "tables");
   analysis::write_report(report, report_path(plan));
   mark_report(node, plan.study.places.origin(), files, checks);
 }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "core/text.h"
 #include "pipeline/config/check.h"
@@ -10,11 +11,6 @@
 
 namespace npdr::pipeline {
 namespace {
-
-bool any_has(const ReportData& data, Check check) {
-  return std::ranges::any_of(data.methods,
-                             [&](const auto& method) { return data.checks_of(method).has(check); });
-}
 
 std::string calibration_text(const ReportData& data) {
   const bool calibrates = std::ranges::any_of(
@@ -27,7 +23,8 @@ std::string calibration_text(const ReportData& data) {
 }
 
 // Checks that the study asks for and that mean nothing to a method.
-void note_left_out(const ReportData& data, const std::string& method, Table& table) {
+void note_left_out(const ReportData& data, const std::string& method,
+                   std::vector<std::string>& notes) {
   const Study& study = data.plan.study;
   std::vector<std::pair<std::string, std::vector<std::string>>> left_out;  // by reason
   for (const Check check : study.diagnose.checks) {
@@ -37,11 +34,12 @@ void note_left_out(const ReportData& data, const std::string& method, Table& tab
     left_out.back().second.push_back(name_of(check));
   }
   for (const auto& [why, checks] : left_out) {
-    table.footnote(fmt::format("{}: without {}: {}", method, join(checks), why));
+    notes.push_back(fmt::format("{}: without {}: {}", method, join(checks), why));
   }
 }
 
-// Empty for posteriors whose normaliser isn't known.
+// The larger, the better: it tells methods, embeddings and estimators of a study apart. Empty for
+// posteriors whose normalizer isn't known.
 Cell score_of(const ReportData& data, const std::string& method) {
   const auto diagnoses = data.diagnoses_of(method);
   if (diagnoses.empty()) return {};
@@ -55,57 +53,62 @@ Cell score_of(const ReportData& data, const std::string& method) {
   return analysis::summarize(of_seeds);
 }
 
-// The larger, the better: it tells methods, embeddings and estimators of a study apart.
-void add_score(const ReportData& data, Table& table) {
-  std::vector<Cell> cells;
-  for (const std::string& method : data.methods) cells.push_back(score_of(data, method));
-  const auto first = std::ranges::find_if(
-      cells, [](const Cell& cell) { return cell.value.index() != 0; });  // not empty
-  if (first == cells.end()) return;
-  first->notes.push_back(table.footnote(
-      "no check, but a score: mean density that the posteriors of fresh simulations give to their "
-      "parameters [nats], the larger, the better; of each seed"));
-  table.rows.push_back({"log p of fresh truths", cells});
-}
+constexpr const char* kScore = "log p of fresh truths";
+using CellsOfMethods = std::map<std::string, Cell>;
 
-Table make_diagnostics_table(const ReportData& data) {
-  const DiagnoseConfig& config = data.plan.study.diagnose;
-  Table table = empty_table(
-      fmt::format(
-          "Checks of the posteriors. A method without fault fails any of its checks with a "
-          "p-value, "
-          "in any of its seeds, with a probability of at most {}: p is compared with that over the "
-          "number of the method's checks and seeds. p: the smallest of the seeds.{}",
-          config.alpha, calibration_text(data)),
-      "Check", data.methods);
-  for (const CheckTraits& check : enum_table(Check{})) {
-    if (!any_has(data, check.value)) continue;
-    table.rows.push_back({std::string(check.title), std::vector<Cell>(data.methods.size())});
-  }
-  for (std::size_t m = 0; m < data.methods.size(); ++m) {
-    const std::string& method = data.methods[m];
-    note_left_out(data, method, table);
+// What checks found, and scores, by the titles of their rows; footnotes are those of one method
+// after another.
+std::map<std::string, CellsOfMethods> check_cells(const ReportData& data,
+                                                  std::vector<std::string>& notes) {
+  std::map<std::string, CellsOfMethods> cells;
+  for (const std::string& method : data.methods) {
+    note_left_out(data, method, notes);
     for (const Finding& finding : findings_of(data, method)) {
-      Cell& cell = std::ranges::find(table.rows, finding.where, &Row::label)->cells[m];
-      cell = Cell(finding.evidence);
+      Cell& cell = cells[finding.where][method] = finding.evidence;
       if (finding.what.empty()) continue;
-      cell.notes.push_back(table.footnote(method + ": " + finding.what));
+      notes.push_back(method + ": " + finding.what);
+      cell.notes.push_back(notes.back());
     }
   }
-  add_score(data, table);
-  return table;
-}
-
-bool has_diagnostics_table(const ReportData& data) {
-  return has_posteriors(data) && !data.plan.study.diagnose.checks.empty();
+  for (const std::string& method : data.methods) {
+    Cell score = score_of(data, method);
+    if (score.value.index() == 0) continue;  // empty
+    if (!cells.contains(kScore)) {
+      score.notes.emplace_back(
+          "no check, but a score: mean density that the posteriors of fresh simulations give to "
+          "their parameters [nats], the larger, the better; of each seed");
+    }
+    cells[kScore][method] = score;
+  }
+  return cells;
 }
 
 }  // namespace
 
 /// One row a check, one column a method. A check fails below alpha over the number of checks and
 /// seeds of the method.
-TableEntry diagnostics_table() {
-  return {"diagnostics", Section::diagnostics, has_diagnostics_table, make_diagnostics_table};
+std::optional<Table> diagnostics_table(const ReportData& data) {
+  const DiagnoseConfig& config = data.plan.study.diagnose;
+  if (!has_posteriors(data) || config.checks.empty()) return std::nullopt;
+  TableOf<std::string> table{
+      .caption = fmt::format(
+          "Checks of the posteriors. A method without fault fails any of its checks with a "
+          "p-value, in any of its seeds, with a probability of at most {}: p is compared with that "
+          "over the number of the method's checks and seeds. p: the smallest of the seeds.{}",
+          config.alpha, calibration_text(data)),
+      .row_header = "Check",
+      .rows = {},
+      .label = std::identity()};
+  auto cells = check_cells(data, table.first_notes);
+  for (const CheckTraits& check : enum_table(Check{})) {
+    const auto has_check = [&](const auto& name) { return data.checks_of(name).has(check.value); };
+    if (std::ranges::any_of(data.methods, has_check)) table.rows.emplace_back(check.title);
+  }
+  if (cells.contains(kScore)) table.rows.emplace_back(kScore);
+  table.add_each(data.methods, [&](const std::string& method, const std::string& title) {
+    return cells[title][method];
+  });
+  return table.make();
 }
 
 }  // namespace npdr::pipeline

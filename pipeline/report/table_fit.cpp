@@ -9,9 +9,9 @@
 namespace npdr::pipeline {
 namespace {
 
-using Runs = std::vector<const EvaluatedRun*>;
+using RunsOfMethod = std::vector<const EvaluatedRun*>;
 
-void note_failed_rows(Table& table, const ReportData& data) {
+void note_failed_rows(const ReportData& data, std::vector<std::string>& notes) {
   for (const std::string& method : data.methods) {
     Index used = 0, failed = 0;
     for (const EvaluatedRun* run : data.runs_of(method)) {
@@ -21,14 +21,14 @@ void note_failed_rows(Table& table, const ReportData& data) {
     if (failed == 0) continue;
     const bool is_refined =
         data.plan.study.method(method).algorithm.kind == inference::Algorithm::refine;
-    table.footnote(
+    notes.push_back(
         fmt::format("{}: {} of {} simulations failed and {}", method, failed, used + failed,
                     is_refined ? "count as impossible parameters" : "were left out of training"));
   }
 }
 
 // Nothing keeps a regression's samples inside of the prior.
-void note_regressions(Table& table, const ReportData& data) {
+void note_regressions(const ReportData& data, std::vector<std::string>& notes) {
   for (const std::string& method : data.methods) {
     RegressionCounts sum;
     for (const EvaluatedRun* run : data.runs_of(method)) {
@@ -38,7 +38,7 @@ void note_regressions(Table& table, const ReportData& data) {
       sum.outside_prior += counts.outside_prior;
     }
     if (sum.samples == 0) continue;
-    table.footnote(
+    notes.push_back(
         fmt::format("{}: {} of {} samples lie outside of the prior, {} are physically impossible",
                     method, sum.outside_prior, sum.samples, sum.non_physical));
   }
@@ -58,23 +58,26 @@ std::string rollouts_at_goal(const ReportData& data, const Target& target) {
 }
 
 // Counts the target's rollouts, and the held-out ones, that reach the goal themselves.
-void note_recorded_goal(Table& table, const ReportData& data) {
+void note_recorded_goal(const ReportData& data, std::vector<std::string>& notes) {
   if (std::ranges::count(data.plan.study.evaluate.metrics, Metric::goal) == 0) return;
-  std::string text = fmt::format("P({}): of the target's own rollouts {}",
-                                 data.info.goal->description, rollouts_at_goal(data, data.target));
-  if (data.held_out) {
-    text += fmt::format(", of the held-out ones {}", rollouts_at_goal(data, *data.held_out));
-  }
-  table.footnote(text);
+  notes.push_back(fmt::format("P({}): of the target's own rollouts {}", data.info.goal->description,
+                              rollouts_at_goal(data, data.target)));
+  if (!data.held_out) return;
+  notes.back() += fmt::format(", of the held-out ones {}", rollouts_at_goal(data, *data.held_out));
 }
 
-// Columns: ours, published, then the prior and single parameter vectors.
-void add_fit_columns(Table& table, const ReportData& data) {
-  for (const std::string& method : data.methods) {
-    table.columns.push_back({method, false});
-    if (!data.plan.study.method(method).published.empty()) table.columns.push_back({method, true});
+std::vector<std::string> fit_notes(const ReportData& data) {
+  std::vector<std::string> notes;
+  note_failed_rows(data, notes);
+  note_regressions(data, notes);
+  if (data.plan.study.source().predicts_features()) {
+    notes.emplace_back(
+        "Distance to x_o: root of the mean over features of ((x - x_o) / s)², s the standard "
+        "deviation of the feature over simulations of the prior; features that span orders of "
+        "magnitude after a logarithm of a kind");
   }
-  add_columns(table, baseline_names(data));
+  note_recorded_goal(data, notes);
+  return notes;
 }
 
 // Simulations that went well, but have no distance: there is nothing to measure it in.
@@ -85,44 +88,11 @@ bool has_no_scale(const EvaluatedRun& run, const std::string& metric) {
 }
 
 // Samples of a metric, of `runs` or beside them.
-Cell fit_cell(Table& table, const Runs& runs, const std::string& metric, const Vector& samples) {
-  if (!has_no_scale(*runs.front(), metric)) return cell_of(table, analysis::summarize(samples));
+Cell fit_cell(const RunsOfMethod& runs, const std::string& metric, const Vector& samples) {
+  if (!has_no_scale(*runs.front(), metric)) return cell_of(analysis::summarize(samples));
   Cell cell("none");
-  cell.notes.push_back(table.footnote("no feature varies over the simulations of the prior"));
+  cell.notes.emplace_back("no feature varies over the simulations of the prior");
   return cell;
-}
-
-Row fit_row(Table& table, const ReportData& data, const std::string& metric) {
-  Row row{title_of(data, metric), {}};
-  for (const std::string& method : data.methods) {
-    const Runs runs = data.runs_of(method);
-    row.cells.push_back(fit_cell(table, runs, metric, pooled(runs, metric_samples(metric))));
-    const auto& published = data.plan.study.method(method).published;
-    if (published.empty()) continue;
-    const auto figure = published.find(metric);
-    row.cells.push_back(figure == published.end()
-                            ? Cell()
-                            : analysis::MeanStd{figure->second.mean, figure->second.std, 0});
-  }
-  if (const auto& prior = data.baseline.prior) {
-    const Runs any = data.runs_of(data.methods.front());
-    row.cells.push_back(fit_cell(table, any, metric, prior->metrics.at(metric)));
-  }
-  for (const BaselinePoint& point : data.baseline.points) {
-    row.cells.emplace_back(point.metrics.at(metric));
-  }
-  return row;
-}
-
-Row seed_means_row(Table& table, const ReportData& data, const std::string& metric) {
-  Row row{title_of(data, metric) + ", seed means", {}};
-  for (const std::string& method : data.methods) {
-    row.cells.push_back(
-        cell_of_seeds(table, summary_of_means(data.runs_of(method), metric_samples(metric))));
-    if (!data.plan.study.method(method).published.empty()) row.cells.emplace_back();
-  }
-  row.cells.resize(row.cells.size() + baseline_names(data).size());
-  return row;
 }
 
 // Features have what noise their simulator gives them.
@@ -133,38 +103,69 @@ std::string noise_text(const Study& study) {
                      noise.redraw ? "redrawn in every epoch" : "drawn once per simulation");
 }
 
-bool has_fit_table(const ReportData& data) {
-  return !data.methods.empty() && data.plan.study.source().simulates;
+// A metric over all samples, or the means of the seeds.
+struct FitRow {
+  std::string metric;
+  bool is_of_seed_means;
+};
+
+std::vector<FitRow> fit_rows(const ReportData& data) {
+  std::vector<FitRow> rows;
+  for (const std::string& metric : measured_names(data.plan.study)) {
+    rows.push_back({metric, false});
+    if (data.seeds.size() > 1) rows.push_back({metric, true});
+  }
+  return rows;
 }
 
-Table make_fit_table(const ReportData& data) {
-  const Study& study = data.plan.study;
-  Table table = empty_table(
-      fmt::format("Fit of posterior samples to the target domain: mean and standard deviation over "
-                  "{} samples of {}.{}",
-                  study.evaluate.num_samples, data.each_experiment(), noise_text(study)),
-      "Metric", {});
-  add_fit_columns(table, data);
-  for (const std::string& metric : measured_names(study)) {
-    table.rows.push_back(fit_row(table, data, metric));
-    if (data.seeds.size() > 1) table.rows.push_back(seed_means_row(table, data, metric));
-  }
-  note_failed_rows(table, data);
-  note_regressions(table, data);
-  if (study.source().predicts_features()) {
-    table.footnote(
-        "Distance to x_o: root of the mean over features of ((x - x_o) / s)², s the standard "
-        "deviation of the feature over simulations of the prior; features that span orders of "
-        "magnitude after a logarithm of a kind");
-  }
-  note_recorded_goal(table, data);
-  return table;
+// Ours, and beside it what was published.
+void add_method(const ReportData& data, const std::string& method, TableOf<FitRow>& table) {
+  table.add(method, [runs = data.runs_of(method)](const FitRow& row) {
+    const auto samples = metric_samples(row.metric);
+    return row.is_of_seed_means ? cell_of_seeds(summary_of_means(runs, samples))
+                                : fit_cell(runs, row.metric, pooled(runs, samples));
+  });
+  const auto& published = data.plan.study.method(method).published;
+  if (published.empty()) return;
+  table.add(method + ", published", [&](const FitRow& row) -> Cell {
+    const auto figure = published.find(row.metric);
+    if (row.is_of_seed_means || figure == published.end()) return {};
+    return analysis::MeanStd{figure->second.mean, figure->second.std, 0};
+  });
 }
 
 }  // namespace
 
 /// Fit of each method's posterior samples to the target domain: the twin of Tables 2 and A2,
 /// with the published figures, the prior, the nominal parameters and the floor beside them.
-TableEntry fit_table() { return {"fit", Section::fit, has_fit_table, make_fit_table}; }
+std::optional<Table> fit_table(const ReportData& data) {
+  const Study& study = data.plan.study;
+  if (!has_posteriors(data) || !study.source().simulates) return std::nullopt;
+  TableOf<FitRow> table{
+      .caption = fmt::format("Fit of posterior samples to the target domain: mean and standard "
+                             "deviation over {} samples of {}.{}",
+                             study.evaluate.num_samples, data.each_experiment(), noise_text(study)),
+      .row_header = "Metric",
+      .rows = fit_rows(data),
+      .label =
+          [&](const FitRow& row) {
+            return title_of(data, row.metric) + (row.is_of_seed_means ? ", seed means" : "");
+          },
+      .last_notes = fit_notes(data)};
+  for (const std::string& method : data.methods) add_method(data, method, table);
+  if (const auto& prior = data.baseline.prior) {
+    table.add("prior", [&](const FitRow& row) {
+      const RunsOfMethod any = data.runs_of(data.methods.front());
+      return row.is_of_seed_means ? Cell()
+                                  : fit_cell(any, row.metric, prior->metrics.at(row.metric));
+    });
+  }
+  for (const BaselinePoint& point : data.baseline.points) {
+    table.add(point.name, [&](const FitRow& row) {
+      return row.is_of_seed_means ? Cell() : Cell(point.metrics.at(row.metric));
+    });
+  }
+  return table.make();
+}
 
 }  // namespace npdr::pipeline

@@ -4,39 +4,44 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/quantile.h"
 #include "core/text.h"
 
 namespace npdr::pipeline {
 
-Table empty_table(std::string caption, std::string row_header,
-                  const std::vector<std::string>& columns) {
-  Table table;
-  table.caption = std::move(caption);
-  table.row_header = std::move(row_header);
-  add_columns(table, columns);
-  return table;
-}
-
-void add_columns(Table& table, const std::vector<std::string>& titles) {
-  for (const std::string& title : titles) table.columns.push_back({title, false});
-}
-
-std::vector<std::string> baseline_names(const ReportData& data) {
-  std::vector<std::string> names;
-  if (data.baseline.prior) names.emplace_back("prior");
-  for (const BaselinePoint& point : data.baseline.points) names.push_back(point.name);
-  return names;
-}
-
-Index add_round_columns(Table& table, const ReportData& data) {
-  Index most_rounds = 0;
-  for (const EvaluatedRun& run : data.runs) most_rounds = std::max(most_rounds, run.use.round);
-  for (Index round = 1; round <= most_rounds; ++round) {
-    add_columns(table, {fmt::format("round {}", round)});
+TableOf<const EvaluatedRun*> table_of_runs(const ReportData& data, std::string caption) {
+  std::vector<const EvaluatedRun*> runs;
+  for (const std::string& method : data.methods) {
+    for (const EvaluatedRun* run : data.runs_of(method)) runs.push_back(run);
   }
-  return most_rounds;
+  return {.caption = std::move(caption),
+          .row_header = "Method, seed",
+          .rows = std::move(runs),
+          .label = [](const EvaluatedRun* run) {
+            return experiment_label(run->use.method, run->use.seed);
+          }};
+}
+
+std::string experiment_label(const std::string& method, std::uint64_t seed) {
+  return fmt::format("{}, {}", method, seed);
+}
+
+TableOf<Index> table_of_parameters(const ReportData& data, std::string caption) {
+  const std::vector<inference::Marginal>& prior = data.plan.study.prior;
+  std::vector<Index> positions(prior.size());
+  std::iota(positions.begin(), positions.end(), Index{0});
+  return {.caption = std::move(caption),
+          .row_header = "Parameter",
+          .rows = std::move(positions),
+          .label = [&](Index d) { return prior[static_cast<std::size_t>(d)].name; }};
+}
+
+Index num_rounds(const ReportData& data) {
+  Index most = 0;
+  for (const EvaluatedRun& run : data.runs) most = std::max(most, run.use.round);
+  return most;
 }
 
 std::string title_of(const ReportData& data, const std::string& metric) {
@@ -46,30 +51,28 @@ std::string title_of(const ReportData& data, const std::string& metric) {
   return traits_of(parse_enum<Metric>("metric", metric)).title(data.info);
 }
 
-std::string experiment_label(const std::string& method, std::uint64_t seed) {
-  return fmt::format("{}, {}", method, seed);
-}
+Cell cell_of(const analysis::Summary& summary) { return with_failed(summary, summary); }
 
-Cell cell_of(Table& table, const analysis::Summary& summary) {
-  Cell cell(summary);
-  note_failed(table, cell, summary);
+Cell with_failed(Cell cell, const analysis::Summary& summary) {
+  if (summary.n_failed > 0) {
+    cell.notes.push_back(fmt::format("{} of {} samples left out: their simulations failed",
+                                     summary.n_failed, summary.n + summary.n_failed));
+  }
   return cell;
 }
 
-void note_failed(Table& table, Cell& cell, const analysis::Summary& summary) {
-  if (summary.n_failed == 0) return;
-  cell.notes.push_back(
-      table.footnote(fmt::format("{} of {} samples left out: their simulations failed",
-                                 summary.n_failed, summary.n + summary.n_failed)));
-}
-
-Cell cell_of_seeds(Table& table, const analysis::Summary& summary) {
+Cell cell_of_seeds(const analysis::Summary& summary) {
   Cell cell(summary);
   if (summary.n_failed > 0) {
-    cell.notes.push_back(table.footnote(
+    cell.notes.push_back(
         fmt::format("of {} of {} seeds: of the others every rollout failed, in one part at least",
-                    summary.n, summary.n + summary.n_failed)));
+                    summary.n, summary.n + summary.n_failed));
   }
+  return cell;
+}
+
+Cell known_cell(Cell cell) {
+  cell.notes.emplace_back("not inferred by this method, which takes it as known");
   return cell;
 }
 
@@ -78,14 +81,58 @@ std::string noiseless_bands_text(const Study& study) {
   return " The recording has noise: without it bands are of what lies below, and hold less.";
 }
 
+std::vector<KnownPoint> known_points(const ReportData& data) {
+  const Study& study = data.plan.study;
+  std::vector<KnownPoint> points;
+  if (data.plan.source->has_nominal()) {
+    points.push_back({"nominal", {}, [](const Evaluation& e) { return *e.nominal_log_prob; }});
+  }
+  if (study.target.truth) {
+    points.push_back(
+        {"truth", *study.target.truth, [](const Evaluation& e) { return *e.truth_log_prob; }});
+  }
+  for (const auto& [name, parameters] : study.references) {
+    points.push_back({name, parameters, [&name = name](const Evaluation& e) {
+                        return e.reference_log_prob.at(name);
+                      }});
+  }
+  return points;
+}
+
+std::vector<std::string> density_notes(const ReportData& data) {
+  const auto& prior = data.plan.study.prior;
+  std::vector<std::string> notes;
+  for (const ReferenceConfig& reference : data.plan.study.references) {
+    std::vector<std::string> fixed;
+    for (const auto& [name, value] : reference.parameters) {
+      if (std::ranges::find(prior, name, &inference::Marginal::name) == prior.end()) {
+        fixed.push_back(name);
+      }
+    }
+    if (fixed.empty()) continue;
+    notes.push_back(fmt::format(
+        "log p({}) is the density of its parameters in the prior alone; the posterior has others "
+        "of {}",
+        reference.name, join(fixed)));
+  }
+  for (const std::string& method : data.methods) {
+    std::vector<std::string> known;
+    for (std::size_t d = 0; d < prior.size(); ++d) {
+      if (!data.is_inferred(method, static_cast<Index>(d))) known.push_back(prior[d].name);
+    }
+    if (known.empty()) continue;
+    notes.push_back(fmt::format("{} takes as known: {}; its log p is the density of the others",
+                                method, join(known)));
+  }
+  return notes;
+}
+
 std::string interval_text(double low, double high) {
   return fmt::format("[{:.4g}, {:.4g}]", low, high);
 }
 
 std::string interval_text(const Vector& samples) {
-  std::vector<double> sorted(samples.begin(), samples.end());
-  std::ranges::sort(sorted);
-  return interval_text(quantile_of_sorted(sorted, 0.05), quantile_of_sorted(sorted, 0.95));
+  return interval_text(quantile(samples, 0.05), quantile(samples, 0.95));
 }
 
 Vector samples_of(const ReportData& data, const std::string& method, Index d) {
@@ -101,37 +148,10 @@ Vector unwrapped_samples_of(const ReportData& data, const std::string& method, I
   return samples.unaryExpr([&](double v) { return mean + std::remainder(v - mean, period); });
 }
 
-void note_known(Table& table, Cell& cell) {
-  cell.notes.push_back(table.footnote("not inferred by this method, which takes it as known"));
-}
-
-void note_known_parameters(Table& table, const ReportData& data) {
-  for (const std::string& method : data.methods) {
-    std::vector<std::string> known;
-    for (std::size_t d = 0; d < data.plan.study.prior.size(); ++d) {
-      if (data.is_inferred(method, static_cast<Index>(d))) continue;
-      known.push_back(data.plan.study.prior[d].name);
-    }
-    if (known.empty()) continue;
-    table.footnote(fmt::format("{} takes as known: {}; its log p is the density of the others",
-                               method, join(known)));
-  }
-}
-
-void note_fixed_parameters(Table& table, const ReportData& data) {
-  const auto& prior = data.plan.study.prior;
-  for (const ReferenceConfig& reference : data.plan.study.references) {
-    std::vector<std::string> fixed;
-    for (const auto& [name, value] : reference.parameters) {
-      const auto is_it = [&, &name = name](const auto& marginal) { return marginal.name == name; };
-      if (std::ranges::none_of(prior, is_it)) fixed.push_back(name);
-    }
-    if (fixed.empty()) continue;
-    table.footnote(fmt::format(
-        "log p({}) is the density of its parameters in the prior alone; the posterior has others "
-        "of {}",
-        reference.name, join(fixed)));
-  }
+Vector predicted_feature(const ReportData& data, const std::string& method, Index f) {
+  return pooled(data.runs_of(method), [f](const EvaluatedRun* run) -> Vector {
+    return run->evaluation.x->col(f).cast<double>();
+  });
 }
 
 }  // namespace npdr::pipeline

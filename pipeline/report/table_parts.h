@@ -1,54 +1,66 @@
 /// Pieces that the tables of a report share.
 #pragma once
 
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "analysis/summary.h"
-#include "analysis/table.h"
 #include "pipeline/findings/data.h"
+#include "pipeline/report/table_of.h"
 
 namespace npdr::pipeline {
 
-using analysis::Cell;
-using analysis::Row;
-using analysis::Table;
+/// A row for each method and seed, "NPDR (MAF), 1".
+TableOf<const EvaluatedRun*> table_of_runs(const ReportData& data, std::string caption);
+/// The label of such a row.
+std::string experiment_label(const std::string& method, std::uint64_t seed);
 
-/// A table without rows.
-Table empty_table(std::string caption, std::string row_header,
-                  const std::vector<std::string>& columns);
+/// A row for each parameter of the prior, which is given by its position.
+TableOf<Index> table_of_parameters(const ReportData& data, std::string caption);
 
-void add_columns(Table& table, const std::vector<std::string>& titles);
-/// What posteriors are compared with: "prior", "nominal", references, "truth" or "floor".
-std::vector<std::string> baseline_names(const ReportData& data);
-/// Adds a column for each round that any method has; returns how many.
-Index add_round_columns(Table& table, const ReportData& data);
+/// The rounds of the method that has the most.
+Index num_rounds(const ReportData& data);
+/// Adds a column for each, "round 1", with `cell`(round, item).
+template <class Item, class CellOf>
+void add_rounds(const ReportData& data, TableOf<Item>& table, const CellOf& cell) {
+  for (Index round = 1; round <= num_rounds(data); ++round) {
+    table.add("round " + std::to_string(round),
+              [round, cell](const Item& item) { return cell(round, item); });
+  }
+}
 
 /// Title of one of measured_names(): "RMSE, held out".
 std::string title_of(const ReportData& data, const std::string& metric);
 
-/// "NPDR (MAF), 1": the label of a row for each method and seed.
-std::string experiment_label(const std::string& method, std::uint64_t seed);
-
-/// Mean and standard deviation; a footnote of `table` says how many samples failed.
-Cell cell_of(Table& table, const analysis::Summary& summary);
-/// Says how many samples of `cell` failed, where any did.
-void note_failed(Table& table, Cell& cell, const analysis::Summary& summary);
+/// Mean and standard deviation; a footnote says how many samples failed.
+Cell cell_of(const analysis::Summary& summary);
+/// The cell with that footnote, where any failed.
+Cell with_failed(Cell cell, const analysis::Summary& summary);
 
 /// Mean and standard deviation over seeds; a footnote says of how many, where all rollouts of
 /// others failed.
-Cell cell_of_seeds(Table& table, const analysis::Summary& summary);
+Cell cell_of_seeds(const analysis::Summary& summary);
+
+/// The cell of a parameter that the method takes as known, as its footnote says.
+Cell known_cell(Cell cell = {});
 
 /// Why bands without noise hold less of a recording, which has some; empty where that isn't so.
 std::string noiseless_bands_text(const Study& study);
 
-/// Says that the method takes the parameter of `cell` as known.
-void note_known(Table& table, Cell& cell);
+/// Parameters that are known, and where evaluations hold their density.
+struct KnownPoint {
+  std::string name;
+  std::map<std::string, double> parameters;  ///< that aren't nominal
+  std::function<double(const Evaluation&)> log_prob;
+};
+/// The nominal parameters, the truth and the references, as far as the study has them.
+std::vector<KnownPoint> known_points(const ReportData& data);
 
-/// Footnotes for a table of densities: methods that take parameters as known, whose densities can't
-/// be compared with those of all parameters; references that set parameters beyond the prior's.
-void note_known_parameters(Table& table, const ReportData& data);
-void note_fixed_parameters(Table& table, const ReportData& data);
+/// Footnotes for a table of densities: references that set parameters beyond the prior's; methods
+/// that take parameters as known, whose densities can't be compared with those of all parameters.
+std::vector<std::string> density_notes(const ReportData& data);
 
 /// "[0.9, 1.1]", and of samples (n) their 5 % and 95 % quantiles.
 std::string interval_text(double low, double high);
@@ -58,14 +70,8 @@ std::string interval_text(const Vector& samples);
 Vector samples_of(const ReportData& data, const std::string& method, Index d);
 /// The same of a periodic parameter moved by periods to where they lie around their mean.
 Vector unwrapped_samples_of(const ReportData& data, const std::string& method, Index d);
-
-/// Adds a row with a cell for each item.
-template <class Items, class CellOf>
-void add_row(Table& table, std::string label, const Items& items, const CellOf& cell_of_item) {
-  Row row{std::move(label), {}};
-  for (const auto& item : items) row.cells.push_back(cell_of_item(item));
-  table.rows.push_back(std::move(row));
-}
+/// The same of feature f, as it was predicted.
+Vector predicted_feature(const ReportData& data, const std::string& method, Index f);
 
 /// The samples of all runs, one run after the other.
 template <class Runs, class Samples>

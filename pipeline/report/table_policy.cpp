@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/report/policy_parts.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
@@ -21,9 +20,8 @@ Index num_target_rollouts(const ReportData& data, const MethodConfig& method) {
 
 Index num_simulations_of_rounds(const ReportData& data, const std::string& method) {
   Index count = 0;
-  for (const Node& node : data.plan.nodes) {
-    if (node.stage != Stage::simulate) continue;
-    if (is_used_by(node, method, data.seeds.front())) count += num_rows(data.plan, node);
+  for (const Node* node : nodes_of(data, method, data.seeds.front(), {Stage::simulate})) {
+    count += num_rows(data.plan, *node);
   }
   return count;
 }
@@ -32,27 +30,24 @@ Index num_simulations_of_rounds(const ReportData& data, const std::string& metho
 Vector num_simulations(const ReportData& data, const MethodConfig& method) {
   const Index of_rounds = num_simulations_of_rounds(data, method.name);
   const Index of_start = num_simulations_of_rounds(data, method.refine.start);
-  Vector counts =
-      Vector::Constant(std::ssize(data.seeds), static_cast<double>(of_rounds + of_start));
-  for (Index s = 0; s < counts.size(); ++s) {
-    for (const Node& node : data.plan.nodes) {
-      const std::uint64_t seed = data.seeds[static_cast<std::size_t>(s)];
-      if (node.stage != Stage::infer || !is_used_by(node, method.name, seed)) continue;
-      const auto certificate = read_posterior_notes(node).certificate;
-      if (certificate) counts(s) += static_cast<double>(certificate->num_draws);
+  return each(data.seeds, [&](std::uint64_t seed) {
+    auto count = static_cast<double>(of_rounds + of_start);
+    for (const Node* node : nodes_of(data, method.name, seed, {Stage::infer})) {
+      const auto certificate = read_posterior_notes(*node).certificate;
+      if (certificate) count += static_cast<double>(certificate->num_draws);
     }
-  }
-  return counts;
+    return count;
+  });
 }
 
 Vector num_policy_rollouts(const ReportData& data, const std::string& method) {
-  Vector counts = Vector::Zero(static_cast<Index>(data.seeds.size()));
-  for (const auto& run : data.policies) {
-    if (run.use.method != method) continue;
-    const auto seed = std::ranges::find(data.seeds, run.use.seed) - data.seeds.begin();
-    counts(seed) += static_cast<double>(run.result.num_rollouts);
-  }
-  return counts;
+  return each(data.seeds, [&](std::uint64_t seed) {
+    double count = 0.0;
+    for (const PolicyHistory* history : histories_of(data, method, seed)) {
+      count += static_cast<double>(history->num_rollouts);
+    }
+    return count;
+  });
 }
 
 // A count where all experiments have the same.
@@ -61,47 +56,11 @@ Cell count_cell(const Vector& counts) {
   return analysis::summarize(counts);
 }
 
-// Returns and successes of a method in the target domain. The standard deviation of successes is
-// over the experiments: that over rollouts follows from the mean.
-void add_target_cells(const ReportData& data, const std::string& method, Row& row) {
-  const auto returns = outcome_samples(&PolicyTest::target, &PolicyOutcomes::returns);
-  const auto success = outcome_samples(&PolicyTest::target, &PolicyOutcomes::success);
-  const auto before = tests_of(data, method, true), after = tests_of(data, method, false);
-  row.cells.emplace_back(analysis::summarize(pooled(before, returns)));
-  row.cells.emplace_back(analysis::summarize(pooled(after, returns)));
-  if (data.seeds.size() > 1) row.cells.emplace_back(summary_of_means(after, returns));
-  row.cells.emplace_back(analysis::summarize(pooled(before, success)).mean);
-  row.cells.emplace_back(summary_of_means(after, success));
-}
-
-void add_grid_cells(const ReportData& data, const std::string& method, Row& row) {
-  const auto after = tests_of(data, method, false);
-  row.cells.emplace_back(analysis::summarize(
-      pooled(after, outcome_samples(&PolicyTest::grid, &PolicyOutcomes::returns))));
-  row.cells.emplace_back(
-      summary_of_means(after, outcome_samples(&PolicyTest::grid, &PolicyOutcomes::success)));
-}
-
-Row method_row(const ReportData& data, const std::string& name) {
-  Row row{name, {}};
-  if (is_tested_in_target(data)) add_target_cells(data, name, row);
-  if (is_tested_on_grid(data)) add_grid_cells(data, name, row);
-  const MethodConfig& method = data.plan.study.method(name);
-  row.cells.emplace_back(num_target_rollouts(data, method));
-  row.cells.push_back(count_cell(num_simulations(data, method)));
-  row.cells.push_back(count_cell(num_policy_rollouts(data, name)));
-  return row;
-}
-
-bool has_tests(const ReportData& data) {
-  return is_tested_in_target(data) || is_tested_on_grid(data);
-}
-
 // Says where policies were tested, and on how much.
-std::string caption_of(const ReportData& data) {
+std::string caption_of_policies(const ReportData& data) {
   const std::string counts =
       "Rollouts and simulations are those of all iterations of one experiment.";
-  if (!has_tests(data)) {
+  if (!is_tested(data)) {
     return "Policies, untested: there is no simulated target domain and no grid. " + counts;
   }
   return fmt::format(
@@ -113,34 +72,64 @@ std::string caption_of(const ReportData& data) {
       counts);
 }
 
-Table make_policy_table(const ReportData& data) {
-  const bool has_target = is_tested_in_target(data), has_grid = is_tested_on_grid(data);
-  Table table = empty_table(caption_of(data), "Method", {});
-  if (has_target) {
-    add_columns(table, {"return before", "return"});
-    if (data.seeds.size() > 1) add_columns(table, {"return, seed means"});
-    add_columns(table, {"success before", "success"});
+// Returns and successes. The standard deviation of successes is over the experiments: that over
+// rollouts follows from the mean.
+void add_tests(const ReportData& data, TableOf<std::string>& table) {
+  using Name = const std::string&;
+  using enum Searches;
+  const auto all = [&data](Name method, Searches searches, TestPlace place, Outcome outcome) {
+    return analysis::summarize(
+        pooled(tests_of(data, method, searches), outcome_samples(place, outcome)));
+  };
+  const auto seed_means = [&data](Name method, TestPlace place, Outcome outcome) {
+    return summary_of_means(tests_of(data, method, after), outcome_samples(place, outcome));
+  };
+  constexpr auto target = &PolicyTest::target, grid = &PolicyTest::grid;
+  constexpr auto returns = &PolicyOutcomes::returns, success = &PolicyOutcomes::success;
+  if (is_tested_in_target(data)) {
+    table.add("return before", [=](Name m) { return all(m, before, target, returns); });
+    table.add("return", [=](Name m) { return all(m, after, target, returns); });
+    if (data.seeds.size() > 1) {
+      table.add("return, seed means", [=](Name m) { return seed_means(m, target, returns); });
+    }
+    table.add("success before", [=](Name m) { return all(m, before, target, success).mean; });
+    table.add("success", [=](Name m) { return seed_means(m, target, success); });
+    table.last_notes.emplace_back("before: with the policy that all searches begin with");
   }
-  if (has_grid) add_columns(table, {"return over the grid", "success over the grid"});
-  add_columns(table, {"target rollouts", "simulations", "policy rollouts"});
-  for (const std::string& method : data.policy_methods()) {
-    table.rows.push_back(method_row(data, method));
+  if (is_tested_on_grid(data)) {
+    table.add("return over the grid", [=](Name m) { return all(m, after, grid, returns); });
+    table.add("success over the grid", [=](Name m) { return seed_means(m, grid, success); });
+    table.last_notes.emplace_back("over the grid: over all of its points, too");
   }
-  if (has_target) table.footnote("before: with the policy that all searches begin with");
-  if (has_grid) table.footnote("over the grid: over all of its points, too");
-  table.footnote("policy rollouts: of the searches, without tests");
-  const bool chooses_power = std::ranges::any_of(data.policy_methods(), [&](const auto& method) {
-    return data.plan.study.method(method).refine.sampling.cross_validate;
-  });
-  if (chooses_power) table.footnote("simulations: without those that score powers");
-  if (has_tests(data)) table.footnote("success: " + task_info(data).success);
-  return table;
 }
 
 }  // namespace
 
 /// Returns and successes of each method before and after its searches, and the rollouts and
 /// simulations that it took.
-TableEntry policy_table() { return {"policy", Section::policies, has_policies, make_policy_table}; }
+std::optional<Table> policy_table(const ReportData& data) {
+  if (!has_policies(data)) return std::nullopt;
+  const auto config = [&](const std::string& name) -> const MethodConfig& {
+    return data.plan.study.method(name);
+  };
+  auto table = table_of_policy_methods(data, caption_of_policies(data));
+  add_tests(data, table);
+  table.add("target rollouts",
+            [&](const std::string& name) { return num_target_rollouts(data, config(name)); });
+  table.add("simulations", [&](const std::string& name) {
+    return count_cell(num_simulations(data, config(name)));
+  });
+  table.add("policy rollouts",
+            [&](const std::string& name) { return count_cell(num_policy_rollouts(data, name)); });
+  table.last_notes.emplace_back("policy rollouts: of the searches, without tests");
+  const bool chooses_power = std::ranges::any_of(table.rows, [&](const std::string& name) {
+    return config(name).refine.sampling.cross_validate;
+  });
+  if (chooses_power) {
+    table.last_notes.emplace_back("simulations: without those that score powers");
+  }
+  if (is_tested(data)) table.last_notes.push_back("success: " + task_info(data).success);
+  return table.make();
+}
 
 }  // namespace npdr::pipeline

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "pipeline/report/policy_parts.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
@@ -5,51 +7,74 @@
 namespace npdr::pipeline {
 namespace {
 
-Row seed_row(const ReportData& data, const std::string& method, std::size_t seed) {
-  Row row{experiment_label(method, data.seeds[seed]), {}};
-  if (is_tested_in_target(data)) {
-    for (const bool is_before : {true, false}) {
-      const PolicyTest* test = tests_of(data, method, is_before).at(seed);
-      for (const Outcome outcome : {&PolicyOutcomes::returns, &PolicyOutcomes::success}) {
-        const Vector samples = outcome_samples(&PolicyTest::target, outcome)(test);
-        const analysis::Summary summary = analysis::summarize(samples);
-        const bool is_share = outcome == &PolicyOutcomes::success;
-        row.cells.push_back(is_share ? Cell(summary.mean) : Cell(summary));
-      }
-    }
-  }
-  const PolicyHistory& history = last_history(data, method, data.seeds[seed]);
-  const Index last = history.num_rows() - 1;
-  row.cells.emplace_back(history.mean_return(last));
-  row.cells.emplace_back(history.success_rate(last));
-  row.cells.emplace_back(history.num_impossible);
-  return row;
-}
+// A method and seed: the policy that its last search found.
+struct FoundPolicy {
+  std::string label;
+  Vector parameters;
+  const PolicyHistory* last_search = nullptr;
+  std::size_t seed = 0;  // its place among the seeds
+  std::string method = {};
+};
 
-Table make_policy_seeds_table(const ReportData& data) {
-  Table table = empty_table(
-      "Policies of each experiment: in the target domain, and under what the method believes.",
-      "Method, seed", {});
-  if (is_tested_in_target(data)) {
-    add_columns(table, {"return before", "success before", "return", "success"});
-  }
-  add_columns(table, {"believed return", "believed success", "impossible parameters"});
+TableOf<FoundPolicy> table_of_found_policies(const ReportData& data, std::string caption) {
+  TableOf<FoundPolicy> table{.caption = std::move(caption),
+                             .row_header = "Method, seed",
+                             .rows = {},
+                             .label = &FoundPolicy::label};
   for (const std::string& method : data.policy_methods()) {
-    for (std::size_t seed = 0; seed < data.seeds.size(); ++seed) {
-      table.rows.push_back(seed_row(data, method, seed));
+    for (std::size_t s = 0; s < data.seeds.size(); ++s) {
+      const PolicyHistory* last = histories_of(data, method, data.seeds[s]).back();
+      table.rows.push_back({experiment_label(method, data.seeds[s]),
+                            last->policies.bottomRows(1).transpose(), last, s, method});
     }
   }
-  table.footnote(
-      "believed: over fresh samples of what the method takes the domain parameters for (posterior, "
-      "prior or nominal); impossible parameters: samples that were left out of the last search");
   return table;
 }
 
 }  // namespace
 
 /// One row a method and seed: its policy in the target domain and under what the method believes.
-TableEntry policy_seeds_table() {
-  return {"policy_seeds", Section::policies, has_policies, make_policy_seeds_table};
+std::optional<Table> policy_seeds_table(const ReportData& data) {
+  if (!has_policies(data)) return std::nullopt;
+  using Policy = const FoundPolicy&;
+  auto table = table_of_found_policies(
+      data,
+      "Policies of each experiment: in the target domain, and under what the method believes.");
+  if (is_tested_in_target(data)) {
+    const auto in_target = [&data](Policy policy, Searches searches, Outcome outcome) {
+      const PolicyTest* test = tests_of(data, policy.method, searches).at(policy.seed);
+      return analysis::summarize(outcome_samples(&PolicyTest::target, outcome)(test));
+    };
+    constexpr auto returns = &PolicyOutcomes::returns, success = &PolicyOutcomes::success;
+    using enum Searches;
+    table.add("return before", [=](Policy p) { return in_target(p, before, returns); });
+    table.add("success before", [=](Policy p) { return in_target(p, before, success).mean; });
+    table.add("return", [=](Policy p) { return in_target(p, after, returns); });
+    table.add("success", [=](Policy p) { return in_target(p, after, success).mean; });
+  }
+  const auto last = [](const Vector& values) { return values(values.size() - 1); };
+  table.add("believed return", [=](Policy p) { return last(p.last_search->mean_return); });
+  table.add("believed success", [=](Policy p) { return last(p.last_search->success_rate); });
+  table.add("impossible parameters", [](Policy p) { return p.last_search->num_impossible; });
+  table.last_notes = {
+      "believed: over fresh samples of what the method takes the domain parameters for (posterior, "
+      "prior or nominal); impossible parameters: samples that were left out of the last search"};
+  return table.make();
+}
+
+/// One row a method and seed: the parameters of the policy that was found.
+std::optional<Table> policy_parameters_table(const ReportData& data) {
+  if (!has_policies(data)) return std::nullopt;
+  auto table = table_of_found_policies(data, "Parameters of the policies that the searches found.");
+  const Vector first = data.policies.front().result.policies.row(0).transpose();
+  table.rows.insert(table.rows.begin(), {"before any search", first});
+  Index p = 0;
+  for (const sim::PolicyParameter& parameter : task_info(data).parameters) {
+    table.add(fmt::format("{} [{}]", parameter.name, parameter.unit),
+              [p](const FoundPolicy& policy) { return policy.parameters(p); });
+    ++p;
+  }
+  return table.make();
 }
 
 }  // namespace npdr::pipeline

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
 
 #include "core/constants.h"
 #include "pipeline/report/registry.h"
@@ -21,43 +19,25 @@ struct Part {
   std::optional<PredictionScores> RolloutScores::*of_baseline;
 };
 
-bool has_scores_table(const ReportData& data) {
-  return std::ranges::any_of(
-      data.runs, [](const EvaluatedRun& run) { return run.evaluation.scores.seen.has_value(); });
-}
+// A number of the rollouts of a part.
+struct ScoreRow {
+  std::string label;
+  Part part;
+  std::function<double(const PredictionScores&)> number;
 
-bool has_noise(const ReportData& data) { return !data.plan.study.observation_noise.is_silent(); }
-
-Index row_of_level(double level) {
-  return std::ranges::find(kBandLevels, level) - kBandLevels.begin();
-}
-
-template <class Number>
-Cell baseline_cell(const RolloutScores& scores, const Part& part, const Number& number) {
-  if (part.of_baseline == nullptr) return {};
-  return number(*(scores.*part.of_baseline));
-}
-
-// A row with one number a method and seed, and a baseline.
-template <class Number>
-void add(Table& table, const ReportData& data, const std::string& label, const Part& part,
-         const Number& number) {
-  add_row(table, label + part.where, data.methods, [&](const std::string& method) {
-    const Vector of_seeds = each(data.runs_of(method), [&](const EvaluatedRun* run) {
+  Cell of_runs(const std::vector<const EvaluatedRun*>& runs) const {
+    const Vector of_seeds = each(runs, [&](const EvaluatedRun* run) {
       return each(part.of_run(*run), [&](const PredictionScores* s) { return number(*s); }).mean();
     });
     // A log score of what was held to be impossible; summaries are of finite numbers.
-    if (of_seeds.size() > 0 && of_seeds.minCoeff() == -kInfinity) return Cell("-inf");
-    return cell_of_seeds(table, analysis::summarize(of_seeds));
-  });
-  std::vector<Cell>& cells = table.rows.back().cells;
-  if (const auto& prior = data.baseline.prior) {
-    cells.push_back(baseline_cell(prior->scores, part, number));
+    if (of_seeds.size() > 0 && of_seeds.minCoeff() == -kInfinity) return "-inf";
+    return cell_of_seeds(analysis::summarize(of_seeds));
   }
-  for (const BaselinePoint& point : data.baseline.points) {
-    cells.push_back(baseline_cell(point.scores, part, number));
+
+  Cell of_baseline(const RolloutScores& scores) const {
+    return part.of_baseline == nullptr ? Cell() : Cell(number(*(scores.*part.of_baseline)));
   }
-}
+};
 
 bool has_log_score(const ReportData& data, const Part& part) {
   return std::ranges::all_of(data.runs, [&](const EvaluatedRun& run) {
@@ -66,54 +46,51 @@ bool has_log_score(const ReportData& data, const Part& part) {
 }
 
 // All rows of the rollouts that were seen, left out or held out.
-void add_part(Table& table, const ReportData& data, const Part& part) {
+void add_part(const ReportData& data, const Part& part, std::vector<ScoreRow>& rows) {
   using S = PredictionScores;
-  add(table, data, "CRPS", part, [](const S& s) { return s.crps.mean(); });
-  if (has_noise(data)) {
-    add(table, data, "CRPS with noise", part, [](const S& s) { return s.noisy_crps.mean(); });
-  }
-  if (has_log_score(data, part)) {
-    add(table, data, "log score", part, [](const S& s) { return s.log_score.mean(); });
-  }
+  const auto add = [&](const std::string& score, std::function<double(const S&)> number) {
+    rows.push_back({score + part.where, part, std::move(number)});
+  };
+  const bool has_noise = !data.plan.study.observation_noise.is_silent();
+  add("CRPS", [](const S& s) { return s.crps.mean(); });
+  if (has_noise) add("CRPS with noise", [](const S& s) { return s.noisy_crps.mean(); });
+  if (has_log_score(data, part)) add("log score", [](const S& s) { return s.log_score.mean(); });
   for (const double level : {0.5, 0.9}) {
-    const Index row = row_of_level(level);
+    const Index row = std::ranges::find(kBandLevels, level) - kBandLevels.begin();
     const std::string bands = fmt::format("{:.0f} % bands cover", 100.0 * level);
-    add(table, data, bands, part, [row](const S& s) { return s.coverage.row(row).mean(); });
-    if (!has_noise(data)) continue;
-    add(table, data, bands + ", with noise", part,
-        [row](const S& s) { return s.noisy_coverage.row(row).mean(); });
+    add(bands, [row](const S& s) { return s.coverage.row(row).mean(); });
+    if (!has_noise) continue;
+    add(bands + ", with noise", [row](const S& s) { return s.noisy_coverage.row(row).mean(); });
   }
   Index c = 0;
   for (const Channel& channel : data.info.state_channels) {
-    add(table, data, "CRPS of " + channel.label, part, [c](const S& s) { return s.crps(c); });
+    add("CRPS of " + channel.label, [c](const S& s) { return s.crps(c); });
     ++c;
   }
 }
 
-std::vector<Part> parts_of(const ReportData& data) {
-  std::vector<Part> parts = {
-      {"", [](const EvaluatedRun& run) { return Scores{&*run.evaluation.scores.seen}; },
-       &RolloutScores::seen}};
-  if (!data.folds.empty()) {
-    const auto of_folds = [&data](const EvaluatedRun& run) {
-      Scores scores;
-      for (const EvaluatedRun* fold : data.folds_of(run.use)) {
-        scores.push_back(&*fold->evaluation.scores.held_out);
-      }
-      return scores;
-    };
-    parts.push_back({", left out", of_folds, nullptr});
-  }
+std::vector<ScoreRow> score_rows(const ReportData& data) {
+  const auto of_run = [](std::optional<PredictionScores> RolloutScores::*scores) {
+    return [scores](const EvaluatedRun& run) { return Scores{&*(run.evaluation.scores.*scores)}; };
+  };
+  const auto of_folds = [&data](const EvaluatedRun& run) {
+    Scores scores;
+    for (const EvaluatedRun* fold : data.folds_of(run.use)) {
+      scores.push_back(&*fold->evaluation.scores.held_out);
+    }
+    return scores;
+  };
+  std::vector<ScoreRow> rows;
+  add_part(data, {"", of_run(&RolloutScores::seen), &RolloutScores::seen}, rows);
+  if (!data.folds.empty()) add_part(data, {", left out", of_folds, nullptr}, rows);
   if (data.held_out) {
-    parts.push_back(
-        {", held out",
-         [](const EvaluatedRun& run) { return Scores{&*run.evaluation.scores.held_out}; },
-         &RolloutScores::held_out});
+    add_part(data, {", held out", of_run(&RolloutScores::held_out), &RolloutScores::held_out},
+             rows);
   }
-  return parts;
+  return rows;
 }
 
-std::string caption(const ReportData& data) {
+std::string caption_of_scores(const ReportData& data) {
   std::string text =
       "How well posterior samples predict the stored states together, and how sure one can be of "
       "it: mean over channels, mean and standard deviation over seeds. CRPS: continuous ranked "
@@ -128,17 +105,27 @@ std::string caption(const ReportData& data) {
                     data.plan.study.evaluate.leave_out);
 }
 
-Table make_scores_table(const ReportData& data) {
-  Table table = empty_table(caption(data), "Score", data.methods);
-  add_columns(table, baseline_names(data));
-  for (const Part& part : parts_of(data)) add_part(table, data, part);
-  return table;
-}
-
 }  // namespace
 
 /// Scores of predictions by the samples of a posterior together, of the prior and of single
 /// parameter vectors.
-TableEntry scores_table() { return {"scores", Section::fit, has_scores_table, make_scores_table}; }
+std::optional<Table> scores_table(const ReportData& data) {
+  if (!has_rollout_scores(data)) return std::nullopt;
+  TableOf<ScoreRow> table{.caption = caption_of_scores(data),
+                          .row_header = "Score",
+                          .rows = score_rows(data),
+                          .label = &ScoreRow::label};
+  table.add_each(data.methods, [&](const std::string& method, const ScoreRow& row) {
+    return row.of_runs(data.runs_of(method));
+  });
+  if (data.baseline.prior) {
+    table.add("prior",
+              [&](const ScoreRow& row) { return row.of_baseline(data.baseline.prior->scores); });
+  }
+  for (const BaselinePoint& point : data.baseline.points) {
+    table.add(point.name, [&](const ScoreRow& row) { return row.of_baseline(point.scores); });
+  }
+  return table.make();
+}
 
 }  // namespace npdr::pipeline

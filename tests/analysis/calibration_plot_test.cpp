@@ -20,7 +20,7 @@ RankPlot ranks_of(const std::vector<std::string>& methods) {
 
 TEST(CalibrationPlot, DrawsAPanelPerParameter) {
   const TempFolder folder;
-  const FigureFiles files = write_rank_plot(ranks_of({"A", "B <&>"}), folder.path());
+  const FigureFiles files = write_figure(figure_of(ranks_of({"A", "B <&>"})), folder.path());
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2 * 4);  // band, even share, two methods
@@ -30,7 +30,7 @@ TEST(CalibrationPlot, DrawsAPanelPerParameter) {
 
 TEST(CalibrationPlot, RanksAreSharesOverTheEvenOne) {
   const TempFolder folder;
-  write_rank_plot(ranks_of({"A"}), folder.path());
+  write_figure(figure_of(ranks_of({"A"})), folder.path());
   const std::string data = read_text_file(folder.path() / "ranks_1.dat");
   EXPECT_EQ(data.substr(data.find('\n') + 1), "0 1.5 0.5\n0.5 0.5 1.5\n1 0.5 1.5\n");
 }
@@ -40,7 +40,7 @@ TEST(CalibrationPlot, DrawsCurvesOfCoverage) {
   const Vector level = Vector::LinSpaced(11, 0.0, 1.0);
   const CoveragePlot plot{
       "coverage", {{"highest density", {{"A", level, level}, {"B", level, level}}}}, 100};
-  const std::string svg = read_text_file(write_coverage_plot(plot, folder.path()).svg);
+  const std::string svg = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);  // band, diagonal and two methods
   EXPECT_TRUE(has(svg, ">highest density<"));
@@ -53,23 +53,22 @@ TEST(CalibrationPlot, AMethodHasOneColorInAllPanels) {
       "coverage",
       {{"1", {{"A", level, level}, {"B", level, level}}}, {"2", {{"B", level, level}}}},
       9};
-  const FigureFiles files = write_coverage_plot(plot, folder.path());
+  const FigureFiles files = write_figure(figure_of(plot), folder.path());
   const std::string script = read_text_file(files.script);
   EXPECT_TRUE(has(script, "'coverage_3.dat' using 1:2 with lines lw 1.6 lc rgb '#00e69f00'"));
 }
 
 TEST(CalibrationPlot, RejectsWhatCantBeDrawn) {
-  const TempFolder folder;
-  EXPECT_THROW(write_rank_plot(ranks_of({}), folder.path()), InputError);
+  EXPECT_THROW(figure_of(ranks_of({})), InputError);
   RankPlot other = ranks_of({"A"});
   other.parameters.pop_back();
-  EXPECT_THROW(write_rank_plot(other, folder.path()), ShapeError);
+  EXPECT_THROW(figure_of(other), ShapeError);
   RankPlot none = ranks_of({"A"});
   none.methods.front().counts.setZero();
-  EXPECT_THROW(write_rank_plot(none, folder.path()), InputError);
-  EXPECT_THROW(write_coverage_plot({"coverage", {}, 100}, folder.path()), InputError);
+  EXPECT_THROW(figure_of(none), InputError);
+  EXPECT_THROW(figure_of(CoveragePlot{"coverage", {}, 100}), InputError);
   const CoveragePlot uneven{"coverage", {{"p", {{"A", Vector::Zero(3), Vector::Zero(2)}}}}, 10};
-  EXPECT_THROW(write_coverage_plot(uneven, folder.path()), ShapeError);
+  EXPECT_THROW(figure_of(uneven), ShapeError);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ CurvePlot curve_plot_of(const std::vector<std::string>& methods) {
 
 TEST(CurvePlot, DrawsABandAndACurveOfEachMethod) {
   const TempFolder folder;
-  const FigureFiles files = write_curve_plot(curve_plot_of({"A", "B <&>"}), folder.path());
+  const FigureFiles files = write_figure(figure_of(curve_plot_of({"A", "B <&>"})), folder.path());
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);
@@ -50,20 +50,18 @@ TEST(CurvePlot, CopesWithConstantAndMissingValues) {
     CurvePlot plot = curve_plot_of({"A"});
     Curve& curve = plot.curves.front();
     for (Vector* part : {&curve.mean, &curve.lower, &curve.upper}) part->setConstant(value);
-    EXPECT_EQ(markup_error(read_text_file(write_curve_plot(plot, folder.path()).svg)), "");
+    EXPECT_EQ(markup_error(read_text_file(write_figure(figure_of(plot), folder.path()).svg)), "");
   }
 }
 
 TEST(CurvePlot, RejectsWhatCantBeDrawn) {
-  const TempFolder folder;
-  EXPECT_THROW(write_curve_plot(curve_plot_of({}), folder.path()), InputError);
-  EXPECT_THROW(write_curve_plot(curve_plot_of({"1", "2", "3", "4", "5", "6", "7"}), folder.path()),
-               InputError);
+  EXPECT_THROW(figure_of(curve_plot_of({})), InputError);
+  EXPECT_THROW(figure_of(curve_plot_of({"1", "2", "3", "4", "5", "6", "7"})), InputError);
   CurvePlot other = curve_plot_of({"A"});
   other.curves.front().upper.resize(3);
-  EXPECT_THROW(write_curve_plot(other, folder.path()), ShapeError);
+  EXPECT_THROW(figure_of(other), ShapeError);
   other.curves.front() = {};
-  EXPECT_THROW(write_curve_plot(other, folder.path()), InputError);
+  EXPECT_THROW(figure_of(other), InputError);
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ HeatMapPlot heat_map_of(const std::vector<std::string>& methods) {
 TEST(HeatMap, DrawsAMapPerMethod) {
   const TempFolder folder;
   const FigureFiles files =
-      write_heat_maps(heat_map_of({"A", "B", "C", "D <&>"}), folder.path());  // two rows
+      write_figure(figure_of(heat_map_of({"A", "B", "C", "D <&>"})), folder.path());  // two rows
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);
@@ -39,7 +39,7 @@ TEST(HeatMap, DrawsAMapPerMethod) {
 
 TEST(HeatMap, EachPointOfTheGridIsACell) {
   const TempFolder folder;
-  write_heat_maps(heat_map_of({"A"}), folder.path());
+  write_figure(figure_of(heat_map_of({"A"})), folder.path());
   const std::string data = read_text_file(folder.path() / "robustness_1.dat");
   EXPECT_EQ(data.substr(data.find('\n') + 1), "0 0 1\n0 1 2\n1 0 3\n1 1 4\n2 0 5\n2 1 6\n");
 }
@@ -49,7 +49,7 @@ TEST(HeatMap, AMarkLiesBetweenItsNeighbors) {
   const auto script = [&](double x, double y) {
     HeatMapPlot plot = heat_map_of({"A"});
     plot.mark = {x, y};
-    return read_text_file(write_heat_maps(plot, folder.path()).script);
+    return read_text_file(write_figure(figure_of(plot), folder.path()).script);
   };
   EXPECT_TRUE(has(script(0.3, 1.25), "first 1.5, first 0.25"));
   EXPECT_TRUE(has(script(0.1, 2.0), "first 0, first 1"));
@@ -61,21 +61,20 @@ TEST(HeatMap, LabelsAsManyCellsAsThereIsRoomFor) {
   HeatMapPlot plot = heat_map_of({"A"});
   plot.x.points = Vector::LinSpaced(40, 0.1001, 0.4991);
   plot.maps.front().values = RowMatrix::Constant(40, 2, std::nan(""));
-  const std::string svg = read_text_file(write_heat_maps(plot, folder.path()).svg);
+  const std::string svg = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_LE(count_of(svg, ">0."), 5);
   EXPECT_TRUE(has(svg, ">0.1001<"));
 }
 
 TEST(HeatMap, RejectsWhatCantBeDrawn) {
-  const TempFolder folder;
-  EXPECT_THROW(write_heat_maps(heat_map_of({}), folder.path()), InputError);
+  EXPECT_THROW(figure_of(heat_map_of({})), InputError);
   HeatMapPlot other = heat_map_of({"A"});
   other.maps.front().values.resize(2, 3);
-  EXPECT_THROW(write_heat_maps(other, folder.path()), ShapeError);
+  EXPECT_THROW(figure_of(other), ShapeError);
   other = heat_map_of({"A"});
   other.high = other.low;
-  EXPECT_THROW(write_heat_maps(other, folder.path()), InputError);
+  EXPECT_THROW(figure_of(other), InputError);
 }
 
 }  // namespace

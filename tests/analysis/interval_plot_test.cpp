@@ -29,7 +29,7 @@ IntervalPlot interval_plot_of(std::size_t num_sets) {
 TEST(IntervalPlot, DrawsTheRowsAndBothIntervalsOfEachSet) {
   const TempFolder folder;
   const std::string svg =
-      read_text_file(write_interval_plot(interval_plot_of(2), folder.path()).svg);
+      read_text_file(write_figure(figure_of(interval_plot_of(2)), folder.path()).svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 1 + 2 * 2);
   EXPECT_TRUE(has(svg, {">pole mass<", ">pole length<", ">set 1<", ">nominal<"}));
@@ -43,7 +43,7 @@ TEST(IntervalPlot, DrawsTheRowsAndBothIntervalsOfEachSet) {
 TEST(IntervalPlot, RowsHaveTips) {
   const TempFolder folder;
   const std::string svg =
-      read_text_file(write_interval_plot(interval_plot_of(1), folder.path()).svg);
+      read_text_file(write_figure(figure_of(interval_plot_of(1)), folder.path()).svg);
   EXPECT_TRUE(has(svg, "<title>pole_mass [kg]\nA: 1 &amp; more</title>"));
   EXPECT_EQ(count_of(svg, "<rect class=\"tip\""), 2);
 }
@@ -52,26 +52,25 @@ TEST(IntervalPlot, FitsIntoAWidthThatIsGiven) {
   const TempFolder folder;
   IntervalPlot plot = interval_plot_of(1);
   plot.width = 340.0;
-  const std::string svg = read_text_file(write_interval_plot(plot, folder.path()).svg);
+  const std::string svg = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
   EXPECT_TRUE(has(svg, "viewBox=\"0 0 340 ")) << svg.substr(0, 400);
   plot.width = 100.0;
-  const std::string least = read_text_file(write_interval_plot(plot, folder.path()).svg);
+  const std::string least = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
   EXPECT_FALSE(has(least, "viewBox=\"0 0 100 ")) << "rows can still be seen";
 }
 
 TEST(IntervalPlot, RejectsWhatCantBeDrawn) {
-  const TempFolder folder;
-  EXPECT_THROW(write_interval_plot(interval_plot_of(0), folder.path()), InputError);
-  EXPECT_THROW(write_interval_plot(interval_plot_of(kMaxMethods + 1), folder.path()), InputError);
+  EXPECT_THROW(figure_of(interval_plot_of(0)), InputError);
+  EXPECT_THROW(figure_of(interval_plot_of(kMaxMethods + 1)), InputError);
   IntervalPlot plot = interval_plot_of(1);
   plot.sets[0].quantiles.conservativeResize(2, 4);
-  EXPECT_THROW(write_interval_plot(plot, folder.path()), ShapeError);
+  EXPECT_THROW(figure_of(plot), ShapeError);
   plot = interval_plot_of(1);
   plot.points[0].place.resize(1);
-  EXPECT_THROW(write_interval_plot(plot, folder.path()), ShapeError);
+  EXPECT_THROW(figure_of(plot), ShapeError);
   plot = interval_plot_of(1);
   plot.tips.pop_back();
-  EXPECT_THROW(write_interval_plot(plot, folder.path()), ShapeError);
+  EXPECT_THROW(figure_of(plot), ShapeError);
 }
 
 }  // namespace

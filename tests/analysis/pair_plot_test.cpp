@@ -39,7 +39,7 @@ PairPlot pair_plot_of(Index dimension) {
 
 TEST(PairPlot, ShowsTheSamplesOfEverySetInEveryPanel) {
   const TempFolder folder;
-  const FigureFiles files = write_pair_plot(pair_plot_of(3), folder.path());
+  const FigureFiles files = write_figure(figure_of(pair_plot_of(3)), folder.path());
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
   // Three panels off the diagonal of 200 points of two sets, and two dots of the legend; each of
@@ -58,7 +58,7 @@ TEST(PairPlot, ScattersEvenlyStridedSamples) {
   plot.sets = {{"only", RowMatrix(10, 2)}};
   for (Index i = 0; i < 10; ++i) plot.sets[0].samples.row(i).setConstant(0.1 * (1.0 + double(i)));
   plot.num_points = 4;
-  write_pair_plot(plot, folder.path());
+  write_figure(figure_of(plot), folder.path());
   EXPECT_EQ(read_text_file(folder.path() / "pairs_samples_1.dat"),
             "# only, samples of p_0 [kg], p_1 [kg]\n"
             "0.1 0.1\n0.30000000000000004 0.30000000000000004\n0.6000000000000001 "
@@ -69,7 +69,7 @@ TEST(PairPlot, ShowsFewerSamplesWhenThereAreFewer) {
   const TempFolder folder;
   PairPlot plot = pair_plot_of(2);
   plot.sets = {{"few", samples(1, 7, 2)}, {"none", RowMatrix(0, 2)}};
-  const FigureFiles files = write_pair_plot(plot, folder.path());
+  const FigureFiles files = write_figure(figure_of(plot), folder.path());
   EXPECT_EQ(count_of(read_text_file(files.svg), "<circle cx="), 7 + 4);
 }
 
@@ -78,8 +78,8 @@ TEST(PairPlot, LimitsAxesToThePriorAndLeavesOutMarksBeyond) {
   PairPlot plot = pair_plot_of(2);
   plot.sets = {{"outside", samples(1, 50, 2)}};
   plot.sets[0].samples.col(0).array() += 10.0;
-  for (PairPoint& point : plot.points) point.theta.setConstant(7.0);
-  const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
+  for (MarkedPoint& point : plot.points) point.place.setConstant(7.0);
+  const std::string svg = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
   EXPECT_EQ(count_of(svg, "<circle cx="), 2);  // the legend's
   EXPECT_FALSE(has(svg, "truth"));
 }
@@ -88,7 +88,7 @@ TEST(PairPlot, ShowsTheSelectedParameters) {
   const TempFolder folder;
   PairPlot plot = pair_plot_of(20);
   plot.selection = {17, 3};
-  const FigureFiles files = write_pair_plot(plot, folder.path());
+  const FigureFiles files = write_figure(figure_of(plot), folder.path());
   const std::string svg = read_text_file(files.svg);
   EXPECT_TRUE(has(svg, {">p 17 [kg]<", ">p 3 [kg]<"}));
   EXPECT_FALSE(has(svg, ">p 4 [kg]<"));
@@ -98,7 +98,7 @@ TEST(PairPlot, FitsFifteenParameters) {
   const TempFolder folder;
   PairPlot plot = pair_plot_of(16);  // the first fifteen
   plot.num_points = 5;
-  const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
+  const std::string svg = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
   EXPECT_EQ(count_of(svg, "<circle cx="), 105 * 2 * 5 + 4);
   EXPECT_EQ(markup_error(svg), "");
 }
@@ -120,7 +120,7 @@ TEST(PairPlot, KeepsItsScaleWithConstantAndFarSamples) {
   plot.sets[0].samples.col(2).array() += 10.0;
   plot.sets[1].samples.col(2).array() -= 10.0;
   plot.sets[1].samples(0, 2) = kNaN;
-  const FigureFiles files = write_pair_plot(plot, folder.path());
+  const FigureFiles files = write_figure(figure_of(plot), folder.path());
   const std::string script = read_text_file(files.script);
   const std::string line = "set arrow from first 0.75, graph 0 to first 0.75, graph 1 nohead front";
   EXPECT_FALSE(has(marginal_commands(script, 0), line));
@@ -149,7 +149,7 @@ TEST(PairPlot, DensitiesAreEquallyHigh) {
   const TempFolder folder;
   PairPlot plot = pair_plot_of(2);
   plot.sets[1].samples.col(0) = 1.0 + 1e-3 * plot.sets[1].samples.col(0).array();
-  write_pair_plot(plot, folder.path());
+  write_figure(figure_of(plot), folder.path());
   for (const char* name : {"pairs_density_1.dat", "pairs_density_2.dat"}) {
     EXPECT_EQ(largest(read_text_file(folder.path() / name), 1), 1.0) << name;
   }
@@ -157,7 +157,8 @@ TEST(PairPlot, DensitiesAreEquallyHigh) {
 
 TEST(PairPlot, DrawsASingleParameter) {
   const TempFolder folder;
-  const std::string svg = read_text_file(write_pair_plot(pair_plot_of(1), folder.path()).svg);
+  const std::string svg =
+      read_text_file(write_figure(figure_of(pair_plot_of(1)), folder.path()).svg);
   EXPECT_EQ(markup_error(svg), "");
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2 * 2);
 }
@@ -168,16 +169,15 @@ TEST(PairPlot, NamesAreTextAndNothingElse) {
   plot.parameters[0].label = "a'`touch broken`<b>&{/Bold";
   plot.points[0].name = "'\nset output 'elsewhere'";
   plot.sets[0].name = "\"quoted\"\nset output 'elsewhere'";
-  const std::string svg = read_text_file(write_pair_plot(plot, folder.path()).svg);
+  const std::string svg = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
   EXPECT_TRUE(has(svg, {"broken`&lt;b>&amp;{/Bold", "\"quoted\" set output ’elsewhere’"}));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "broken"));
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "elsewhere"));
 }
 
 TEST(PairPlot, RejectsWhatItCannotShow) {
-  const TempFolder folder;
   const auto expect_input_error = [&](const PairPlot& plot) {
-    EXPECT_THROW(write_pair_plot(plot, folder.path()), InputError);
+    EXPECT_THROW(figure_of(plot), InputError);
   };
   expect_input_error(pair_plot_of(0));
   PairPlot plot = pair_plot_of(16);
@@ -200,10 +200,10 @@ TEST(PairPlot, RejectsWhatItCannotShow) {
   expect_input_error(plot);
   plot = pair_plot_of(2);
   plot.sets[1].samples.resize(5, 3);
-  EXPECT_THROW(write_pair_plot(plot, folder.path()), ShapeError);
+  EXPECT_THROW(figure_of(plot), ShapeError);
   plot = pair_plot_of(2);
-  plot.points[0].theta.resize(3);
-  EXPECT_THROW(write_pair_plot(plot, folder.path()), ShapeError);
+  plot.points[0].place.resize(3);
+  EXPECT_THROW(figure_of(plot), ShapeError);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ TEST(PathPlot, DrawsAPanelPerMethod) {
   const TempFolder folder;
   PathPlot plot = path_plot_of({"A", "B <&>"});
   plot.held_out = {line()};
-  const FigureFiles files = write_path_plot(plot, folder.path());
+  const FigureFiles files = write_figure(figure_of(plot), folder.path());
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
   // Shapes, paths, fixed, held out and recorded in each of two panels.
@@ -50,14 +50,15 @@ TEST(PathPlot, DrawsAPanelPerMethod) {
 
 TEST(PathPlot, TheTargetDomainIsSeenWhereNothingIsHeldOut) {
   const TempFolder folder;
-  const std::string svg = read_text_file(write_path_plot(path_plot_of({"A"}), folder.path()).svg);
+  const std::string svg =
+      read_text_file(write_figure(figure_of(path_plot_of({"A"})), folder.path()).svg);
   EXPECT_TRUE(has(svg, ">target domain<"));
   EXPECT_FALSE(has(svg, "held out"));
 }
 
 TEST(PathPlot, PolygonsEndWhereTheyBeginAndPathsDont) {
   const TempFolder folder;
-  write_path_plot(path_plot_of({"A"}), folder.path());
+  write_figure(figure_of(path_plot_of({"A"})), folder.path());
   EXPECT_EQ(read_text_file(folder.path() / "paths_outlines_1.dat"),
             "# x, y\n0.5 0.5\n0.75 0.5\n0.75 0.75\n0.5 0.75\n0.5 0.5\nNaN NaN\n");
   EXPECT_EQ(read_text_file(folder.path() / "paths_recorded.dat"),
@@ -68,7 +69,7 @@ TEST(PathPlot, ScalesAreEqual) {
   const TempFolder folder;
   PathPlot plot = path_plot_of({"A"});
   const auto height = [&] {
-    const std::string svg = read_text_file(write_path_plot(plot, folder.path()).svg);
+    const std::string svg = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
     return std::stod(svg.substr(svg.find("height=\"") + 8));
   };
   const double square_height = height();
@@ -81,20 +82,19 @@ TEST(PathPlot, CopesWithoutPaths) {
   PathPlot plot = path_plot_of({"A"});
   plot.recorded.clear();
   plot.predictions[0] = {"A", {}, {}};
-  EXPECT_EQ(markup_error(read_text_file(write_path_plot(plot, folder.path()).svg)), "");
+  EXPECT_EQ(markup_error(read_text_file(write_figure(figure_of(plot), folder.path()).svg)), "");
 }
 
 TEST(PathPlot, RejectsWhatItCantDraw) {
-  const TempFolder folder;
   EXPECT_TRUE(
-      says(message_of<InputError>([&] { write_path_plot(path_plot_of({}), folder.path()); }),
+      says(message_of<InputError>([&] { figure_of(path_plot_of({})); }),
            {"path plot 'paths': 0 methods and 1 fixed polygons", "must be 1 to 6 and at least 1"}));
   PathPlot plot = path_plot_of({"A"});
   plot.recorded = {RowMatrix::Zero(3, 3)};
-  EXPECT_TRUE(says(message_of<ShapeError>([&] { write_path_plot(plot, folder.path()); }),
+  EXPECT_TRUE(says(message_of<ShapeError>([&] { figure_of(plot); }),
                    {"path plot 'paths': 3 points of 3 coordinates", "must be at least 1 of 2"}));
   plot.recorded = {RowMatrix::Zero(0, 2)};
-  EXPECT_THROW(write_path_plot(plot, folder.path()), ShapeError);
+  EXPECT_THROW(figure_of(plot), ShapeError);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ Table small_table() {
   table.name = "fit";
   table.caption = "Fit <&>";
   table.row_header = "Metric";
-  table.columns = {{"NPDR"}};
+  table.columns = {"NPDR"};
   table.rows = {{"RMSE", {MeanStd{0.263, 0.004, 5000}}}};
   return table;
 }

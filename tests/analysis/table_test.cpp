@@ -17,9 +17,9 @@ Table table_a2() {
   table.name = "table_a2";
   table.caption = "Fit to 5 recordings & more";
   table.row_header = "Metric";
-  table.columns = {{"NPDR (MAF)"}, {"NPDR (MAF)", true}, {"Remark"}};
+  table.columns = {"NPDR (MAF)", "NPDR (MAF), published", "Remark"};
   Cell dtw = Summary{1071.2, 31.25, 4997, 3};
-  dtw.notes = {table.footnote("3 of 5000 samples failed, < 1 %")};
+  dtw.notes = table.footnotes = {"3 of 5000 samples failed, < 1 %"};
   table.rows = {{"DTW dist.", {dtw, MeanStd{1070, 30}, "a|b_c"}},
                 {"RMSE", {MeanStd{0.2632, kNaN, 1}, MeanStd{0.263, 0.004}, {}}},
                 {"Samples", {5000.0, {}, "say \"x, y\""}}};
@@ -132,7 +132,7 @@ TEST(Table, AsHtmlCanBeFolded) {
 TEST(Table, WritesCountsFlushRightAndInFull) {
   Table table;
   table.name = "counts";
-  table.columns = {{"simulations"}};
+  table.columns = {"simulations"};
   table.rows = {{"one", {Index{1234567}}}, {"all", {Index{8}}}};
   EXPECT_EQ(to_markdown(table),
             "|     | simulations |\n|:----|------------:|\n"
@@ -163,10 +163,8 @@ TEST(Table, RemovesAllOfItsFiles) {
 
 TEST(Table, KeepsAFootnoteOnce) {
   Table table;
-  EXPECT_EQ(table.footnote("one"), 0u);
-  EXPECT_EQ(table.footnote("two"), 1u);
-  EXPECT_EQ(table.footnote("one"), 0u);
-  EXPECT_EQ(table.footnotes.size(), 2u);
+  for (const char* text : {"one", "two", "one"}) table.add_footnote(text);
+  EXPECT_EQ(table.footnotes, (std::vector<std::string>{"one", "two"}));
 }
 
 TEST(Table, FootnoteMarksGoOnAfterZ) {
@@ -181,7 +179,7 @@ TEST(Table, RejectsRaggedRowsLooseNotesAndNamesThatAreNoFileNames) {
   table.rows[1].cells.pop_back();
   EXPECT_THROW(table.check(), ShapeError);
   table = table_a2();
-  table.rows[0].cells[0].notes = {1};
+  table.rows[0].cells[0].notes = {"another"};
   EXPECT_THROW(to_markdown(table), ShapeError);
   table = table_a2();
   table.name = "../table";

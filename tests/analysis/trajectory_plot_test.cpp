@@ -49,7 +49,7 @@ TEST(TrajectoryPlot, DrawsAPanelPerChannelAndRollout) {
   const TempFolder folder;
   const Target target = target_of(2);
   const TrajectoryPlot plot{"motion", {prediction_of("A", target), prediction_of("B <&>", target)}};
-  const FigureFiles files = write_trajectory_plot(plot, target, folder.path());
+  const FigureFiles files = write_figure(figure_of(plot, target), folder.path());
   const std::string svg = read_text_file(files.svg);
   EXPECT_EQ(markup_error(svg), "");
   // Four panels: two bands, two medians and the recording in each; every plot is a group.
@@ -67,7 +67,7 @@ TEST(TrajectoryPlot, DataHoldRecordedAndPredictedSideBySide) {
   plot.store_every = 2;
   plot.channels = {1};
   plot.max_points = 10;  // of 20 stored states: every second
-  write_trajectory_plot(plot, target, folder.path());
+  write_figure(figure_of(plot, target), folder.path());
   const std::string data = read_text_file(folder.path() / "motion_rollout_0.dat");
   EXPECT_EQ(count_of(data, "\n"), 11);
   EXPECT_TRUE(
@@ -92,11 +92,11 @@ TEST(TrajectoryPlot, ShowsTheFirstSixRolloutsOrTheSelectedOnes) {
   const TempFolder folder;
   const Target target = target_of(7);
   TrajectoryPlot plot{"motion", {}};
-  std::string svg = read_text_file(write_trajectory_plot(plot, target, folder.path()).svg);
+  std::string svg = read_text_file(write_figure(figure_of(plot, target), folder.path()).svg);
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 6 * 2);
   EXPECT_FALSE(has(svg, ">rollout_6<"));
   plot.rollouts = {6};
-  svg = read_text_file(write_trajectory_plot(plot, target, folder.path()).svg);
+  svg = read_text_file(write_figure(figure_of(plot, target), folder.path()).svg);
   EXPECT_TRUE(has(svg, ">rollout_6<"));
   EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2);
 }
@@ -113,17 +113,16 @@ TEST(TrajectoryPlot, CopesWithConstantSeriesAndWildBands) {
     (*part)[0].setConstant(kNaN);
   }
   const FigureFiles files =
-      write_trajectory_plot({"motion", {wild, missing}}, target, folder.path());
+      write_figure(figure_of(TrajectoryPlot{"motion", {wild, missing}}, target), folder.path());
   EXPECT_EQ(markup_error(read_text_file(files.svg)), "");
   // The range of the second row reaches no further than its own size beyond the recording.
   EXPECT_FALSE(has(read_text_file(files.script), "e+"));
 }
 
 TEST(TrajectoryPlot, RejectsWhatItCannotShow) {
-  const TempFolder folder;
   const Target target = target_of(2);
   const auto expect_input_error = [&](const TrajectoryPlot& plot) {
-    EXPECT_THROW(write_trajectory_plot(plot, target, folder.path()), InputError);
+    EXPECT_THROW(figure_of(plot, target), InputError);
   };
   TrajectoryPlot plot{"motion", {}};
   plot.rollouts = {2};
@@ -140,10 +139,10 @@ TEST(TrajectoryPlot, RejectsWhatItCannotShow) {
   plot.store_every = 0;
   expect_input_error(plot);
   plot.store_every = 2;
-  EXPECT_THROW(write_trajectory_plot(plot, target, folder.path()), ShapeError);
+  EXPECT_THROW(figure_of(plot, target), ShapeError);
   plot.store_every = 1;
   plot.predictions[0].bands.upper.pop_back();
-  EXPECT_THROW(write_trajectory_plot(plot, target, folder.path()), ShapeError);
+  EXPECT_THROW(figure_of(plot, target), ShapeError);
 }
 
 }  // namespace

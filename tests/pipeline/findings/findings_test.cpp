@@ -100,11 +100,11 @@ TEST_F(Verdicts, NothingIsInfinitelyFar) {
 
 TEST_F(Verdicts, TheTableHasThemAll) {
   data_.diagnoses.front().result.ood->p_value = 1e-5;
-  const analysis::Table table = diagnostics_table().make(data_);
+  const analysis::Table table = diagnostics_table(data_).value();
   EXPECT_EQ(table.rows.size(), 8u);
   EXPECT_EQ(table.footnotes.size(), 1u);
   EXPECT_EQ(table.rows[1].label, "x_o among simulations");
-  EXPECT_EQ(table.rows[1].cells.front().notes, std::vector<std::size_t>{0});
+  EXPECT_EQ(table.rows[1].cells.front().notes, table.footnotes);
 }
 
 }  // namespace

@@ -19,10 +19,22 @@ sim::SimulatorInfo info_of(const Plan& plan) {
   return sim::make_simulator(plan.study.simulator)->info();
 }
 
+// One run whose posterior samples are `theta`.
+EvaluatedRun run_of(const RowMatrix& theta) {
+  EvaluatedRun run;
+  run.use = {"NPDR (MAF)", 1, 1};
+  run.last_round = true;
+  run.evaluation.theta = theta;
+  return run;
+}
+
 TEST(ReportTables, SayWhichKindOfPriorAParameterHas) {
   const Plan plan = plan_of(
       {"prior.gravity={ normal = [9.81, 0.05] }", "prior.damping={ log_normal = [-3.0, 0.5] }"});
-  const analysis::Table table = parameters_table().make({plan, info_of(plan), {}, {}, {}, {}});
+  const analysis::Table table =
+      parameters_table(
+          {plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(RowMatrix::Ones(2, 4))}, {}})
+          .value();
   std::vector<std::string> priors;
   for (const analysis::Row& row : table.rows) {
     priors.push_back(std::get<std::string>(row.cells[1].value));
@@ -37,15 +49,6 @@ Plan golf_plan_of(const StudyText::Lines& prior) {
                                 .only("prior", prior)
                                 .method("NPDR (MAF)", {"num_simulations = 200"});
   return make_plan(parse_study(study, "s.toml"), WorkFolder("runs"));
-}
-
-// One run whose posterior samples are `theta`.
-EvaluatedRun run_of(const RowMatrix& theta) {
-  EvaluatedRun run;
-  run.use = {"NPDR (MAF)", 1, 1};
-  run.last_round = true;
-  run.evaluation.theta = theta;
-  return run;
 }
 
 double contraction(const analysis::Table& table, std::size_t parameter) {
@@ -63,7 +66,7 @@ TEST(ReportTables, ContractionKnowsPeriods) {
   RowMatrix theta(2, 3);
   theta << 0.5 - s, -s, end - s, 0.5 + s, s, -end + s;
   const analysis::Table table =
-      contraction_table().make({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}});
+      contraction_table({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}}).value();
   EXPECT_NEAR(contraction(table, 0), 1.0 - 2 * s * s * 12.0, 1e-6);
   const double turn = std::numbers::pi * std::numbers::pi / 12.0;
   EXPECT_NEAR(contraction(table, 1), 1.0 - 2 * s * s / turn, 1e-6);
@@ -77,7 +80,7 @@ TEST(ReportTables, ContractionOfAWideNormalIsThatOfItsAngle) {
   RowMatrix theta(1000, 1);
   for (Index i = 0; i < 1000; ++i) theta(i, 0) = std::numbers::pi * (double(i) / 1000.0 - 0.5);
   const analysis::Table table =
-      contraction_table().make({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}});
+      contraction_table({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}}).value();
   EXPECT_NEAR(contraction(table, 0), 0.0, 0.05);
 }
 
@@ -87,11 +90,10 @@ TEST(ReportTables, ContractionOfDecadesIsThatOfLogarithms) {
   RowMatrix theta(1000, 1);
   for (Index i = 0; i < 1000; ++i) theta(i, 0) = std::pow(10.0, -7.0 + 3.9 * (double(i) / 999.0));
   const analysis::Table table =
-      contraction_table().make({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}});
+      contraction_table({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}}).value();
   EXPECT_NEAR(contraction(table, 0), 1.0 - 3.9 * 3.9 / (4.0 * 4.0), 5e-3);
 }
 
-// Two of one name would write the same files.
 // Of two channels one has noise, whose parameters all have priors. The third sample has failed.
 TEST(ReportTables, NoiseIsThatOfChannelsThatHaveAny) {
   const Plan plan = plan_of({"observation_noise.std={ theta = 0.01 }",
@@ -101,11 +103,10 @@ TEST(ReportTables, NoiseIsThatOfChannelsThatHaveAny) {
   data.target.rollouts = {{"", RowMatrix::Ones(11, 2), RowMatrix::Ones(10, 1)}};
   data.target.state_channels = data.info.state_channels;
   data.target.action_channels = data.info.action_channels;
-  ASSERT_FALSE(noise_table().exists(data));
+  ASSERT_FALSE(noise_table(data));
   const RowMatrix all{{1.0, 9.0}, {3.0, 9.0}, {std::nan(""), 9.0}};
   data.runs.front().evaluation.noise = {all, 0.1 * all, 2.0 * all};
-  ASSERT_TRUE(noise_table().exists(data));
-  const analysis::Table table = noise_table().make(data);
+  const analysis::Table table = noise_table(data).value();
   ASSERT_EQ(table.rows.size(), 2u);
   EXPECT_EQ(table.rows[0].label, "correlation of theta");
   EXPECT_EQ(table.rows[1].label, "degrees of freedom of theta");
@@ -119,9 +120,10 @@ TEST(ReportTables, NoiseIsThatOfChannelsThatHaveAny) {
   EXPECT_EQ(table.footnotes.size(), 1u) << "one sample has failed";
 }
 
+// Two of one name would write the same files.
 TEST(ReportTables, HaveNamesOfTheirOwn) {
   std::set<std::string> names;
-  for (const TableEntry& entry : all_tables()) EXPECT_TRUE(names.insert(entry.name).second);
+  for (const TableEntry& entry : kTables) EXPECT_TRUE(names.insert(entry.name).second);
   EXPECT_TRUE(names.contains("fit"));
 }
 

@@ -180,10 +180,10 @@ TEST_F(AbcStages, ARegressionFindsTheTruthWithoutSimulations) {
   EXPECT_TRUE(data.is_inferred("Regression", 0));
   EXPECT_FALSE(data.is_inferred("Regression", 1));
 
-  const analysis::Table fit = fit_table().make(data);
+  const analysis::Table fit = fit_table(data).value();
   EXPECT_EQ(fit.footnotes.back(),
             "Regression: 100 of 100 samples lie outside of the prior, 0 are physically impossible");
-  EXPECT_EQ(seeds_table().make(data).footnotes.front(),
+  EXPECT_EQ(seeds_table(data)->footnotes.front(),
             "Regression takes as known: motor_resistance; its log p is the density of the others");
 }
 

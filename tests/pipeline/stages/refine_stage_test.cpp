@@ -181,9 +181,7 @@ TEST_F(RefineStage, IsShownWithItsCertificate) {
     if (node.stage != Stage::report) run_stage(plan, node);
   }
   const ReportData data = read_report_data(plan, plan.nodes.back());
-  const TableEntry entry = refinement_table();
-  ASSERT_TRUE(entry.exists(data));
-  const analysis::Table table = entry.make(data);
+  const analysis::Table table = refinement_table(data).value();
   ASSERT_EQ(table.rows.size(), 2u);
   const char* methods[] = {"Refined", "Prior"};
   for (std::size_t i = 0; i < 2; ++i) {
@@ -246,8 +244,7 @@ TEST_F(RefineStage, NoiseThatIsInferredIsInTheReport) {
     if (node.stage != Stage::report) run_stage(plan, node);
   }
   const ReportData data = read_report_data(plan, plan.nodes.back());
-  ASSERT_TRUE(noise_table().exists(data));
-  const analysis::Table table = noise_table().make(data);
+  const analysis::Table table = noise_table(data).value();
   ASSERT_EQ(table.rows.size(), 2u);
   EXPECT_EQ(table.rows[0].label, "scale of theta");
   EXPECT_EQ(table.rows[1].label, "scale of theta_dot");
@@ -320,8 +317,7 @@ TEST_F(RefineStage, TakesThePowerThatPredictsLeftOutRolloutsBest) {
   // it to 9 % (standard error), and parameters that are unsure add some.
   EXPECT_NEAR(crps.row(chosen).mean(), 0.113, 0.04);
   const ReportData data = read_report_data(plan, plan.nodes.back());
-  ASSERT_TRUE(power_figure().exists(data));
-  const std::string caption = power_figure().make(data, folder_.path()).caption;
+  const std::string caption = power_figure(data)->caption;
   EXPECT_TRUE(has(caption, fmt::format("as good as any: {:.3g} (CV{}).", power[chosen],
                                        chosen == 0 ? ", none smaller was tried" : "")));
 }
