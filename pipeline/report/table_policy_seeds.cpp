@@ -8,7 +8,7 @@ namespace npdr::pipeline {
 namespace {
 
 // A method and seed: the policy that its last search found.
-struct FoundPolicy {
+struct PolicyOfSeed {
   std::string label;
   Vector parameters;
   const PolicyHistory* last_search = nullptr;
@@ -16,11 +16,11 @@ struct FoundPolicy {
   std::string method = {};
 };
 
-TableOf<FoundPolicy> table_of_found_policies(const ReportData& data, std::string caption) {
-  TableOf<FoundPolicy> table{.caption = std::move(caption),
-                             .row_header = "Method, seed",
-                             .rows = {},
-                             .label = &FoundPolicy::label};
+TableOf<PolicyOfSeed> table_of_policies_of_seeds(const ReportData& data, std::string caption) {
+  TableOf<PolicyOfSeed> table{.caption = std::move(caption),
+                              .row_header = "Method, seed",
+                              .rows = {},
+                              .label = &PolicyOfSeed::label};
   for (const std::string& method : data.policy_methods()) {
     for (std::size_t s = 0; s < data.seeds.size(); ++s) {
       const PolicyHistory* last = histories_of(data, method, data.seeds[s]).back();
@@ -36,8 +36,8 @@ TableOf<FoundPolicy> table_of_found_policies(const ReportData& data, std::string
 /// One row a method and seed: its policy in the target domain and under what the method believes.
 std::optional<Table> policy_seeds_table(const ReportData& data) {
   if (!has_policies(data)) return std::nullopt;
-  using Policy = const FoundPolicy&;
-  auto table = table_of_found_policies(
+  using Policy = const PolicyOfSeed&;
+  auto table = table_of_policies_of_seeds(
       data,
       "Policies of each experiment: in the target domain, and under what the method believes.");
   if (is_tested_in_target(data)) {
@@ -65,13 +65,14 @@ std::optional<Table> policy_seeds_table(const ReportData& data) {
 /// One row a method and seed: the parameters of the policy that was found.
 std::optional<Table> policy_parameters_table(const ReportData& data) {
   if (!has_policies(data)) return std::nullopt;
-  auto table = table_of_found_policies(data, "Parameters of the policies that the searches found.");
+  auto table =
+      table_of_policies_of_seeds(data, "Parameters of the policies that the searches found.");
   const Vector first = data.policies.front().result.policies.row(0).transpose();
   table.rows.insert(table.rows.begin(), {"before any search", first});
   Index p = 0;
   for (const sim::PolicyParameter& parameter : task_info(data).parameters) {
     table.add(fmt::format("{} [{}]", parameter.name, parameter.unit),
-              [p](const FoundPolicy& policy) { return policy.parameters(p); });
+              [p](const PolicyOfSeed& policy) { return policy.parameters(p); });
     ++p;
   }
   return table.make();
