@@ -71,7 +71,7 @@ class Import {
   std::string said() const {
     CLI::App app("", "npdr");
     int status = 0;
-    add_import_command(app, status);
+    add_command(app, {"import", "", &import_command}, status);
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();
     try {
