@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "pipeline/config/check.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 

@@ -21,7 +21,7 @@ Target target_of(const std::vector<Index>& lengths) {
 TEST(RolloutLength, IsCutIntoPiecesOfTheShortestOrANumber) {
   Target target = target_of({5, 3});
   EXPECT_EQ(
-      cut_rollouts(target, 0, kCsvFiles),
+      texts_of(cut_rollouts(target, 0, kCsvFiles)),
       std::vector<std::string>{
           "cut into rollouts of 3 steps: 1 of a (2 steps dropped), 1 of b (0 steps dropped)"});
   target.check("x");
