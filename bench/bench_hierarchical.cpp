@@ -160,9 +160,9 @@ analysis::Row row_of(const Plan& plan, const std::string& label, const RowMatrix
   const RowMatrix complete = plan.source->parameters().complete(theta);
   const sim::Trajectories seen = judge.seen().simulate(complete);
   const NoiseOfSamples noise =
-      draw_noise(plan, judge.seen().target(), seen, {}, {1, "bench_hierarchical", 1, 0, 0});
-  const PredictionScores scores = *score(plan, judge, seen, judge.simulate_held_out(complete, {}),
-                                         noise, {1, "bench_hierarchical", 2, 0, 0})
+      draw_noise(judge.seen().observation(), seen, {}, {1, "bench_hierarchical", 1, 0, 0});
+  const PredictionScores scores = *score(judge, seen, judge.simulate_held_out(complete, {}), noise,
+                                         {1, "bench_hierarchical", 2, 0, 0})
                                        .held_out;
   const Index level = std::ranges::find(kBandLevels, 0.9) - kBandLevels.begin();
   return {
