@@ -175,7 +175,7 @@ class MethodChecker : Checker {
     if (trains || !trains_layers(method_.embedding.kind)) return;
     fail(at("embedding.kind"), quoted(name_of(method_.embedding.kind)),
          fmt::format("another with algorithm '{}', which can't train one: such as 'all_steps' with "
-                     "principal components",
+                     "principal_components",
                      algorithm_.name));
   }
 

@@ -35,7 +35,7 @@ class FirstStates : public ::testing::Test {
       if (node.stage != Stage::target) continue;
       run_stage(plan, node);
     }
-    Target target = read_target(plan, plan.nodes.back());
+    Target target = read_target(plan, plan.node(Stage::baseline, {}));
     const RowMatrix amplitude = sim::reference_amplitude(target);
     Stream stream({seed, "first_states_test", 0, 0, 0});
     for (Index h = 0; h < target.num_rollouts(); ++h) {
