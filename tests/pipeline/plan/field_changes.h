@@ -17,6 +17,7 @@ using TextsByPath = std::map<std::string, std::vector<std::string>>;
 /// Values other than `value`, allowed or not.
 inline std::vector<bool> other_values(bool value) { return {!value}; }
 inline std::vector<double> other_values(double value) {
+  if (value == 0.0) return {0.1, 1.0};
   return {0.9 * value, 0.5 * value, value + 0.1, value + 1.0};
 }
 inline std::vector<Index> other_values(Index value) {

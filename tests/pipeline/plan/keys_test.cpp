@@ -227,6 +227,7 @@ class Keys : public ::testing::Test {
             {"simulator.folder", {path("copy")}},
             {"method.embedding.channels", {"theta"}},
             {"method.refine.start", {"", "second"}},
+            {"diagnose.checks", {"ood"}},
             {"report.parameters", {"pole_mass", "pole_length"}},
             {"cluster.setup", {"true"}},
             {"cluster.sbatch", {"--qos=long"}}};
