@@ -76,7 +76,8 @@ std::filesystem::path run(const std::string& program, const GnuplotScript& scrip
   const CallResult result =
       run_shell({{"unset GNUTERM; exec " + command + " > /dev/null", directory, {{"TZ", "UTC0"}}},
                  kTimeLimit});
-  if (result.exit_status == kNotFound) {
+  // As the shell says it; a program that is there may end like that, too.
+  if (result.exit_status == kNotFound && result.output.ends_with(": not found\n")) {
     throw Error(program +
                 ": not found; install gnuplot (Debian package gnuplot-nox), which draws "
                 "the figures");

@@ -94,7 +94,7 @@ class WeightedPopulation {
   bool has_weight() const;
   /// (n), the largest 1.
   Vector weights() const;
-  /// (sum w)^2 / sum w^2 (weighted_population.h).
+  /// (sum w)^2 / sum w^2 of the weights w, from 1 to n.
   double effective_size() const;
   /// log 1/n sum_i w_i [nats].
   double log_mean_weight() const;

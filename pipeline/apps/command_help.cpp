@@ -15,6 +15,13 @@ namespace {
 constexpr const char* kExitStatus = R"(.SH EXIT STATUS
 0 done; 1 failed; 2 invalid input; 3 too many failed rollouts; 4 a check failed (npdr run \-\-strict);
 75 stopped with everything saved, run it again.
+.SH ENVIRONMENT
+.TP
+.B OMP_NUM_THREADS
+threads of a stage's executable that is called alone
+.TP
+.B NPDR_SITE
+file with a table [cluster], for npdr submit
 )";
 
 std::vector<std::string> names_of_commands() {

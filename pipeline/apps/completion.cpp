@@ -18,11 +18,11 @@ namespace {
 const std::map<std::string, std::string> kScripts = {
     {"bash", R"sh(# Completion of npdr for bash: eval "$(npdr completion bash)"
 _npdr() {
-  local word
+  local word words=("${COMP_WORDS[@]:1:COMP_CWORD}")
   COMPREPLY=()
   while IFS=$'\t' read -r word _; do
     COMPREPLY+=("$(printf %q "$word")")
-  done < <("${COMP_WORDS[0]}" __complete "${COMP_WORDS[@]:1:COMP_CWORD}" 2> /dev/null)
+  done < <("${COMP_WORDS[0]/#~\//$HOME/}" __complete "${words[@]//\\/}" 2> /dev/null)
 }
 complete -o default -F _npdr npdr
 )sh"},

@@ -105,9 +105,10 @@ FieldTree plain(const FieldTree& json) {
     const double number = json.get<double>();
     return std::isnan(number) ? "NaN" : number > 0.0 ? "Infinity" : "-Infinity";
   }
-  FieldTree copy = json;
-  if (json.is_structured()) {
-    for (FieldTree& member : copy) member = plain(member);
+  if (!json.is_structured()) return json;
+  FieldTree copy(json.type());
+  for (const auto& [key, member] : json.items()) {
+    json.is_object() ? (void)(copy[key] = plain(member)) : copy.push_back(plain(member));
   }
   return copy;
 }

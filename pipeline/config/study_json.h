@@ -36,7 +36,7 @@ nlohmann::ordered_json document_json(const Study& study);
 /// is one of sim::SimulatorConfig, SimulatorTable, inference::EmbeddingConfig, EstimatorConfig,
 /// TrainingConfig, AlgorithmConfig, SamplerConfig. `where` (a file name) begins the message of the
 /// InputError that an unknown key, a wrong type or a value that isn't allowed throws. A missing key
-/// keeps its default.
+/// keeps its default, where that is allowed.
 template <class Config>
 Config from_json(const nlohmann::ordered_json& json, const std::string& where);
 

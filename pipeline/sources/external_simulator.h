@@ -68,7 +68,7 @@ class ExternalSimulator {
   /// The words of the call that failed first of the last rows that any failed of, even if it went
   /// well when it was repeated; "": none did.
   const std::string& last_failure() const { return last_failure_; }
-  /// Of the last call that had any; "": none had.
+  /// Of the last call that had any; empty: none had.
   const Findings& last_warnings() const { return last_warnings_; }
   Index num_calls() const { return num_calls_; }
 

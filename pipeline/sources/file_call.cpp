@@ -138,7 +138,7 @@ class FileCall final : public ProgramCall {
     if (!failed.empty()) outcome.problem = failed.rbegin()->second;
     outcome.lost = first_lost_number({x.data(), static_cast<std::size_t>(x.size())}, result,
                                      info_.state_channels, num_steps());
-    // Of motion the recording says it (simulate.cpp).
+    // Of motion the recording says it (first_rows.cpp).
     if (!inputs_) outcome.warnings = find_lost_precision(x, info_.state_channels);
   }
 
