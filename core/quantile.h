@@ -47,7 +47,10 @@ auto lower_quantile(const Values& sorted, double p) {
 /// The median of values in any order; of an even number the larger one of the middle two.
 template <std::ranges::random_access_range Values>
 auto upper_median(Values values) {
-  return quantile(std::move(values), 0.5, Between::upper);
+  using T = std::ranges::range_value_t<Values>;
+  const auto middle = std::ranges::begin(values) + std::ranges::ssize(values) / 2;
+  std::ranges::nth_element(values, middle);
+  return middle == std::ranges::end(values) ? std::numeric_limits<T>::quiet_NaN() : T(*middle);
 }
 
 /// Those of the values that are finite, ascending.

@@ -8,7 +8,6 @@
 #include "inference/samplers/importance_constants.h"
 
 namespace npdr::inference {
-namespace {}  // namespace
 
 bool has_heavy_weights(const ImportanceCertificate& certificate) {
   // Few weights are large where most draws count, whatever their tail.

@@ -10,7 +10,6 @@
 #include "inference/weighted_population.h"
 
 namespace npdr::inference {
-namespace {}  // namespace
 
 ImportanceSample ImportanceSampler::preliminary(double power, Index most) const {
   if (state_.walkers) throw Error("importance sampling: no draws while walkers climb");

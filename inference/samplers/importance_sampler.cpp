@@ -11,7 +11,6 @@
 #include "inference/weighted_population.h"
 
 namespace npdr::inference {
-namespace {}  // namespace
 
 ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimension,
                                      const RowMatrix& start, const StreamId& id,

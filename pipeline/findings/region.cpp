@@ -27,8 +27,7 @@ std::string words_of_region(const MethodResults& m) {
   if (share > largest_share || expected > most_simulations) return "";
   return fmt::format(
       "{} of {} simulations lie where it is: more of them there may make it more exact, by "
-      "num_rounds "
-      "= {} and num_simulations = {}, for this observation alone",
+      "num_rounds = {} and num_simulations = {}, for this observation alone",
       expected < 1.0 ? "hardly any" : fmt::format("only about {:.0f}", expected),
       algorithm.num_simulations, rounds, (algorithm.num_simulations + rounds - 1) / rounds);
 }

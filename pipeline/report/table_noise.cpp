@@ -106,11 +106,10 @@ std::optional<Table> noise_table(const ReportData& data) {
       .caption =
           "Inferred observation noise: median and 16 % to 84 % of the noise that each method's "
           "predictions are given, all seeds. Scale: of a stored state, or where noise is "
-          "correlated "
-          "of what is new in it, over the channel's largest recorded magnitude; correlation: of "
+          "correlated of what is new in it, over the channel's largest recorded magnitude; "
+          "correlation: of "
           "neighboring stored states' noise. What a method's parameters leave unexplained counts "
-          "as "
-          "noise.",
+          "as noise.",
       .row_header = "Noise",
       .rows = noise_rows(data),
       .label = &NoiseRow::label};
