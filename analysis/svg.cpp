@@ -35,7 +35,7 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
 std::string_view take(std::string_view& text, std::string_view before, char end) {
   if (!text.starts_with(before)) return {};
   const std::size_t size = text.substr(before.size()).find(end);
-  if (size == std::string_view::npos) return {};
+  if (size == 0 || size == std::string_view::npos) return {};
   const std::string_view found = text.substr(before.size(), size);
   text.remove_prefix(before.size() + size + 1);
   return found;

@@ -46,7 +46,8 @@ struct LayoutRow {
 
 /// A group or a dataset whose content is described. Reading throws InputError for what is missing
 /// or of another type, and for sizes that don't go together; writing throws Error. Copies share
-/// their state.
+/// their state: a name of a size means the same in all parts of an artefact, unless forget() ends
+/// that.
 class Layout {
  public:
   static Layout writer(h5::Group& group) { return {&group, nullptr}; }

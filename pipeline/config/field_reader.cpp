@@ -90,7 +90,7 @@ void read_numbers(const FieldSlot& slot, const std::string& prefix,
                   std::map<std::string, double>& value) {
   for (const auto& [key, json] : slot.json.items()) {
     const FieldSlot member = member_slot(slot, key, json);
-    if (json.is_object() && !json.empty()) {
+    if (json.is_object() && !json.empty() && !slot.reading.is_of_json()) {
       read_numbers(member, prefix + key + ".", value);
     } else if (double& number = value[prefix + key]; !read_value(member, number)) {
       fail_type(member, type_name<double>());

@@ -34,7 +34,7 @@ bool read_value(const FieldSlot& slot, double& value);
 bool read_value(const FieldSlot& slot, Index& value);
 bool read_value(const FieldSlot& slot, std::uint64_t& value);
 bool read_value(const FieldSlot& slot, std::string& value);
-/// Numbers in tables of tables have the names of both: `a.b = 1` is "a.b".
+/// Of a study file, numbers in tables of tables have the names of both: `a.b = 1` is "a.b".
 bool read_value(const FieldSlot& slot, std::map<std::string, double>& value);
 bool read_value(const FieldSlot& slot, std::map<std::string, std::string>& value);
 bool read_value(const FieldSlot& slot, FreeTable& value);

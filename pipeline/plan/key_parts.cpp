@@ -46,6 +46,7 @@ Json without_folders(Json study) {
   };
   for (const char* key : {"recording", "observation", "inputs"}) keep_name("target", key);
   for (const char* key : {"library", "mjcf", "dataset"}) keep_name("simulator", key);
+  if (study.contains("simulator")) study["simulator"].erase("folder");
   return study;
 }
 

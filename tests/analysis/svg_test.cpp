@@ -35,6 +35,7 @@ TEST(Svg, TidyingLeavesOtherPointsAndOddLinesAlone) {
   const std::string other =
       "\t<use xlink:href='#gpPt5' transform='translate(1,2) scale(1)' color='x'/>\n"
       "\t<use xlink:href='#gpPt6' transform='translate(1,2) scale(1)' color='x' more='y'/>\n"
+      "\t<use xlink:href='#gpPt6' transform='translate(1,2) scale(1)' color='x' opacity=''/>\n"
       "\t<use xlink:href='#gpPt6' transform='translate(1,2)\n";
   EXPECT_EQ(tidy_svg(other), other);
 }

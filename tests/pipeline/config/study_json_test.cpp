@@ -148,6 +148,8 @@ TEST(StudyJson, SaysWhatItCantAccept) {
                    {"p.h5: kind = \"line\"",
                     "must be one of convolution, linear, all_steps, delta_steps, last_step, "
                     "bayessim, identity"}));
+  EXPECT_EQ(problem_of<sim::SimulatorConfig>(R"({"parameters": {"a": {"b": 1}, "c": 2}})"),
+            "p.h5: parameters.a = {\"b\":1}, must be a finite number");
   EXPECT_EQ(problem_of<EmbeddingConfig>("[]"), "p.h5: must be a JSON object");
   EXPECT_EQ(problem_of<EmbeddingConfig>("{"), "p.h5: '{' isn't JSON");
 }
