@@ -10,7 +10,7 @@
 
 #include "core/enum_names.h"
 #include "core/text.h"
-#include "pipeline/config/field_use.h"
+#include "pipeline/config/field_list.h"
 #include "pipeline/config/problems.h"
 #include "sim/simulator.h"
 

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,11 @@ bool satisfies(const T& value, const Constraint<C>& allowed) {
   } else {
     return allowed.allows(static_cast<C>(value));
   }
+}
+/// A value that is left out is allowed.
+template <class T, class C>
+bool satisfies(const std::optional<T>& value, const Constraint<C>& allowed) {
+  return !value || satisfies(*value, allowed);
 }
 
 /// Text for a shell to run: not blank, and without control characters other than line breaks and

@@ -84,7 +84,7 @@ class MethodChecker : Checker {
     if (!reading_.good("policy.optimizer")) {
       policy.search.kind = inference::PolicyOptimizerKind::power;
     }
-    std::vector<UnusedField> unused = unused_fields(method_, policy, path_);
+    std::vector<UnusedField> unused = unused_fields(fields_of(method_, policy), path_);
     for (auto& [setting, use] : unused) {
       if (!use.settable) continue;  // not the algorithm's
       if (!is_in_file(at("algorithm"))) use.unused += ", which a method has that names none";

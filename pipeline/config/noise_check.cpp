@@ -16,7 +16,7 @@ class NoiseChecker : Checker {
 
   void check() {
     const ObservationNoise& noise = study_.observation_noise;
-    must_be_left_out(unused_fields(noise, "observation_noise"));
+    must_be_left_out(unused_fields(fields_of(noise), "observation_noise"));
     if (!noise.is_silent() && !study_.source().gives_motion) check_features();
     if (noise.std) check_channels(*noise.std);
   }

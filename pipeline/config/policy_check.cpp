@@ -17,7 +17,7 @@ class PolicyChecker : Checker {
   void check() {
     if (!study_.policy.is_used() || !reading_.good("policy.optimizer")) return;
     must_be_left_out("evaluate.leave_out", "policies are tested, not their predictions");
-    must_be_left_out(unused_fields(study_.policy, "policy"));
+    must_be_left_out(unused_fields(fields_of(study_.policy), "policy"));
     const inference::PolicySearchConfig& search = study_.policy.search;
     require("policy.min_std", search.min_std, search.min_std <= search.initial_std,
             fmt::format("<= policy.initial_std = {}", search.initial_std));

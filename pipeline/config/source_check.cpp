@@ -22,7 +22,8 @@ class SourceChecker : Checker {
       : Checker(reading), study_(study), source_(study.source()), what_(source_.name) {}
 
   void check() {
-    must_be_left_out(unused_fields(SimulatorTable{study_.simulator, study_.external}, "simulator"));
+    must_be_left_out(
+        unused_fields(fields_of(SimulatorTable{study_.simulator, study_.external}), "simulator"));
     if (source_.runs_users_code()) check_files();
     source_.gives_motion ? check_motion() : check_features();
     if (source_.calls_program) check_program();

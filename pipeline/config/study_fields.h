@@ -1,6 +1,6 @@
 /// One description of every field of a study: key, place in memory, what it may hold, one line of
-/// documentation. The visitors that walk it read TOML (field_reader.h), write JSON
-/// (json_fields.h) and list the keys (study_keys.h), so that none of them can forget a field.
+/// documentation. One visitor reads it from files (field_reader.h), another lists it with its
+/// values (field_list.h) for all that writes, so that none of them can forget a field.
 ///
 /// A visitor has three members, whose last argument may be left out (field_use.h):
 ///   f(key, value, constraint, doc, use)  a field; a default that isn't allowed makes it required

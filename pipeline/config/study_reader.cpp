@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/check.h"
+#include "pipeline/config/field_list.h"
 #include "pipeline/config/field_reader.h"
 #include "pipeline/config/study_check.h"
 #include "pipeline/config/study_fields.h"
@@ -150,7 +151,7 @@ class Resolver {
       const std::string setting = field.path.substr(path.size() + 1);
       return field.use.settable && reading_.has(field.path) && reads_setting(npe_c, setting);
     };
-    if (std::ranges::any_of(unused_fields(method, {}, path), means_npe_c)) {
+    if (std::ranges::any_of(unused_fields(fields_of(method), path), means_npe_c)) {
       method.algorithm.kind = npe_c;
     }
   }
