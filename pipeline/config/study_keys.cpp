@@ -19,11 +19,6 @@ std::string toml_text(const Json& value) {
   return "[" + join(elements) + "]";
 }
 
-std::string default_text(const Field& field) {
-  if (field.value.is_null()) return "";
-  return field.is_allowed ? toml_text(field.value) : "required";
-}
-
 struct StudyDescription {
   std::vector<StudyTable> tables;
   std::vector<StudyKey> keys;
@@ -43,12 +38,8 @@ void add_keys(const Fields& fields, const std::string& prefix, StudyDescription&
 }
 
 StudyDescription description() {
-  Study study;  // an element of each list shows its members
-  study.methods.emplace_back();
-  study.references.emplace_back();
-  study.external.parameters.emplace_back();
   StudyDescription all;
-  add_keys(fields_of(study), "", all);
+  add_keys(fields_of(study_with_lists()), "", all);
   return all;
 }
 
@@ -88,18 +79,26 @@ std::string allowed_cell(const StudyKey& key) {
 
 }  // namespace
 
+Study study_with_lists() {
+  Study study;
+  study.methods.emplace_back();
+  study.references.emplace_back();
+  study.external.parameters.emplace_back();
+  return study;
+}
+
+std::string default_text(const Field& field) {
+  if (field.value.is_null()) return "";
+  return field.is_allowed ? toml_text(field.value) : "required";
+}
+
 std::vector<StudyTable> study_tables() { return description().tables; }
 
 std::vector<StudyKey> study_keys() { return description().keys; }
 
-std::vector<StudyKey> keys_of_table(const std::string& table) {
+std::string keys_markdown(const std::string& table) {
   std::vector<StudyKey> keys = study_keys();
   std::erase_if(keys, [&](const StudyKey& key) { return table_of(key) != table; });
-  return keys;
-}
-
-std::string keys_markdown(const std::string& table) {
-  const std::vector<StudyKey> keys = keys_of_table(table);
   if (keys.empty()) {
     std::vector<std::string> tables;
     for (const StudyTable& known : study_tables()) tables.push_back(known.path);
