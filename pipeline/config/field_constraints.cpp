@@ -11,7 +11,6 @@
 #include "pipeline/config/check.h"
 #include "pipeline/config/enum_lists.h"
 #include "pipeline/config/metric.h"
-#include "pipeline/config/prior_check.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -148,6 +147,24 @@ Constraint<std::string> time_constraint() {
                 "[0-9]{1,7}|[0-9]{1,5}:[0-9]{2}(:[0-9]{2})?|[0-9]{1,4}-[0-9]{1,2}(:[0-9]{2}){0,2}");
             return text.empty() || std::regex_match(text, time);
           }};
+}
+
+std::optional<double> seconds_of(const std::string& time) {
+  if (time.empty()) return std::nullopt;
+  std::vector<double> clock;
+  const std::size_t dash = time.find('-');
+  const bool has_days = dash != std::string::npos;
+  for (const std::string& part : split(has_days ? time.substr(dash + 1) : time, ':')) {
+    clock.push_back(std::stod(part));
+  }
+  if (has_days) {
+    clock.resize(3, 0.0);
+    clock[0] += 24.0 * std::stod(time.substr(0, dash));
+  }
+  if (clock.size() == 1) return clock[0] * 60.0;
+  double seconds = 0.0;
+  for (const double part : clock) seconds = seconds * 60.0 + part;
+  return seconds;
 }
 
 Constraint<std::string> option_value() {

@@ -130,6 +130,7 @@ template Fields fields_of(const ObservationNoise&);
 template Fields fields_of(const MethodConfig&);
 template Fields fields_of(const DiagnoseConfig&);
 template Fields fields_of(const PolicyConfig&);
+template Fields fields_of(const ClusterConfig&);
 template Fields fields_of(const PublishedFigure&);
 template Fields fields_of(const sim::SimulatorConfig&);
 template Fields fields_of(const inference::EmbeddingConfig&);

@@ -32,7 +32,7 @@ struct Field {
 using Fields = std::vector<Field>;
 
 /// Config is one of Study, SimulatorTable, ObservationNoise, MethodConfig, DiagnoseConfig,
-/// PolicyConfig, PublishedFigure, sim::SimulatorConfig, inference::EmbeddingConfig,
+/// PolicyConfig, ClusterConfig, PublishedFigure, sim::SimulatorConfig, inference::EmbeddingConfig,
 /// TrainedEmbeddingConfig, EstimatorConfig, TrainingConfig, AlgorithmConfig, SamplerConfig.
 template <class Config>
 Fields fields_of(const Config& config);

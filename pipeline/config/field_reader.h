@@ -12,7 +12,7 @@
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/field_types.h"
 #include "pipeline/config/field_use.h"
-#include "pipeline/config/problems.h"
+#include "pipeline/config/reading.h"
 
 namespace npdr::pipeline {
 

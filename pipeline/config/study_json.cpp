@@ -50,7 +50,7 @@ Config from_json(const Json& json, const std::string& where) {
   FieldReader reader(&document, "", reading);
   describe(reader, config);
   reader.reject_unknown_keys();
-  reading.problems().throw_if_any();
+  reading.throw_if_bad();
   return config;
 }
 

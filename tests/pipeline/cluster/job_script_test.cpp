@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "pipeline/config/cluster_check.h"
+#include "pipeline/config/field_constraints.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/message_of.h"
 #include "tests/study_text.h"
