@@ -33,8 +33,9 @@ Constraint<T> anything() {
 Constraint<double> positive();
 Constraint<double> between(const Range& range);
 Constraint<double> between(double low, double high);
-/// Bounds excluded.
-Constraint<double> strictly_between(double low, double high);
+/// `above` is ">" or ">=", `below` "<" or "<=".
+Constraint<double> interval(const std::string& above, double low, const std::string& below,
+                            double high);
 /// A number of things: low to 10^9, far beyond what a study can compute and far from an overflow.
 Constraint<double> count_from(double low);
 /// A number >= 0.

@@ -57,20 +57,12 @@ bool is_option(const std::string& text) {
 
 }  // namespace
 
-Constraint<double> quantile_constraint() {
-  return {"> 0 and <= 1", [](double v) { return v > 0.0 && v <= 1.0; }};
-}
-
 Constraint<std::vector<double>> noise_prior(double low, const std::string& name, double high) {
   const std::string below = std::isfinite(high) ? fmt::format(" and < {}", high) : "";
   return {fmt::format("[median, deviation] with a {} > {}{} and a deviation > 0", name, low, below),
           [low, high](const auto& prior) {
             return prior.size() == 2 && prior[0] > low && prior[0] < high && prior[1] > 0.0;
           }};
-}
-
-Constraint<double> correlation_constraint() {
-  return {">= 0 and < 1", [](double v) { return v >= 0.0 && v < 1.0; }};
 }
 
 Constraint<double> degrees_constraint() {
@@ -88,11 +80,6 @@ Constraint<std::vector<std::uint64_t>> seeds_constraint() {
   return {"distinct and >= 0, 1 to 1000 of them", [](const auto& seeds) {
             return !seeds.empty() && seeds.size() <= most && all_distinct(seeds);
           }};
-}
-
-Constraint<double> rounds_constraint() {
-  // Each depends on all before it: more would take time and memory with their square.
-  return between(1, 200);
 }
 
 Constraint<std::vector<std::uint64_t>> rollouts_constraint() {

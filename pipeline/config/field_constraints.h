@@ -25,14 +25,10 @@ inline constexpr std::size_t kMostParameters = 1000;
 /// [median, deviation] of noise, the median above `low` and below `high`, the deviation > 0.
 Constraint<std::vector<double>> noise_prior(double low, const std::string& name,
                                             double high = kInfinity);
-Constraint<double> correlation_constraint();
 Constraint<double> degrees_constraint();
-/// > 0 and <= 1.
-Constraint<double> quantile_constraint();
 /// States of a smoother's window: odd, 5 to 1001.
 Constraint<double> window_constraint();
 Constraint<std::vector<std::uint64_t>> seeds_constraint();
-Constraint<double> rounds_constraint();
 Constraint<std::vector<std::uint64_t>> rollouts_constraint();
 /// A number of folds, or none.
 Constraint<double> folds_constraint();
