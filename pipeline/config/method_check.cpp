@@ -242,8 +242,7 @@ class MethodChecker : Checker {
     if (!reading_.good(key)) return;
     std::vector<std::string> names;
     for (const MethodConfig& other : study_.methods) {
-      const auto family = inference::traits_of(other.algorithm.kind).family;
-      const bool refines = family == inference::AlgorithmFamily::likelihood;
+      const bool refines = family_of(other) == inference::AlgorithmFamily::likelihood;
       if (infers(other) && !refines) names.push_back(other.name);
     }
     if (!require_known(key, display(key), "method to refine", start, names)) return;

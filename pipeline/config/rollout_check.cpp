@@ -65,8 +65,7 @@ class RolloutChecker : Checker {
                   study_.evaluate.leave_out > 0
                       ? "the rollouts of the target but those that a fold leaves out"
                       : "the rollouts of the target");
-    if (inference::traits_of(method.algorithm.kind).family ==
-        inference::AlgorithmFamily::regression) {
+    if (family_of(method) == inference::AlgorithmFamily::regression) {
       check_at_most(path + ".linear_regression.window", method.linear_regression.window,
                     shape_.num_steps + 1, "the states of a rollout");
       return;
@@ -76,14 +75,13 @@ class RolloutChecker : Checker {
             !cross_validates || fewest_rollouts() > 1,
             used_rollouts() > 1 ? "false: evaluate.leave_out leaves it a single rollout"
                                 : "false with a single rollout: none can be left out");
-    if (!learns_from_rounds(method.algorithm.kind)) return;
+    if (!learns(method)) return;
     check_at_most(path + ".embedding.downsample", method.embedding.downsample, shape_.num_steps / 2,
                   two_states_left());
   }
 
   static bool sees_stored_states(const MethodConfig& method) {
-    return infers(method) && inference::traits_of(method.algorithm.kind).family !=
-                                 inference::AlgorithmFamily::regression;
+    return infers(method) && family_of(method) != inference::AlgorithmFamily::regression;
   }
 
   // Of a single one neither a likelihood nor a distance of trajectories says much.
