@@ -10,7 +10,7 @@ namespace {
 
 using inference::CalibrationRanks;
 
-class DiagnosisCheckpoints : public ::testing::Test {
+class DiagnosisCheckpoints : public FolderTest {
  protected:
   // Three of five simulations are ranked.
   static CalibrationRanks three_ranks() {
@@ -22,17 +22,14 @@ class DiagnosisCheckpoints : public ::testing::Test {
     ranks.log_prob = Vector::Constant(5, 1.25);
     return ranks;
   }
-
   CalibrationRanks written_and_read(const CalibrationRanks& ranks, Index num_simulations = 5,
                                     Index dimension = 2) {
-    kDiagnosisCheckpointSchema.write(path_, identity_, {ranks, {}});
-    return read_diagnosis_checkpoint({path_, identity_.key()},
-                                     RowMatrix::Zero(num_simulations, dimension), 50)
-        .ranks;
+    const std::filesystem::path path = folder_ / "a.checkpoint.h5";
+    kDiagnosisCheckpointSchema.write(path, identity_, {ranks, {}});
+    const RowMatrix theta = RowMatrix::Zero(num_simulations, dimension);
+    return read_diagnosis_checkpoint({path, identity_.key()}, theta, 50).ranks;
   }
 
-  TempFolder folder_;
-  std::filesystem::path path_ = folder_.path() / "a.checkpoint.h5";
   Identity identity_{.key_document = {{"stage", "diagnose"}}, .inputs = {}, .study = {}};
 };
 
@@ -45,13 +42,6 @@ TEST_F(DiagnosisCheckpoints, HoldWhatIsDone) {
   EXPECT_EQ(read.distance, three_ranks().distance.head(3));
   EXPECT_EQ(read.theta, three_ranks().theta.topRows(3));
   EXPECT_EQ(read.log_prob, three_ranks().log_prob.head(3));
-}
-
-TEST_F(DiagnosisCheckpoints, NoneIsOneWithoutRanks) {
-  const CalibrationRanks read =
-      read_diagnosis_checkpoint({path_, identity_.key()}, RowMatrix::Zero(5, 2), 50).ranks;
-  EXPECT_EQ(read.num_samples, 50);
-  EXPECT_EQ(read.num_done, 0);
 }
 
 TEST_F(DiagnosisCheckpoints, AreRejectedWhereTheyDontFit) {

@@ -1,6 +1,7 @@
 #include "pipeline/store/netcdf.h"
 
 #include <hdf5_hl.h>
+#include <utility>
 
 #include "core/error.h"
 #include "tests/temp_folder.h"
@@ -8,7 +9,7 @@
 namespace npdr::pipeline {
 namespace {
 
-class Netcdf : public ::testing::Test {
+class Netcdf : public FolderTest {
  protected:
   Netcdf() : file_(h5::File::create(folder_ / "a.nc")), group_(file_.create_group("posterior")) {
     group_.dimension("chain", std::vector<Index>{1, 2});
@@ -20,7 +21,6 @@ class Netcdf : public ::testing::Test {
     return h5::File::open(folder_ / "a.nc");
   }
 
-  TempFolder folder_;
   h5::File file_;
   NetcdfGroup group_;
 };
@@ -33,9 +33,8 @@ TEST_F(Netcdf, EveryAxisHasTheScaleOfItsName) {
   const h5::Dataset x = group.dataset("x");
   EXPECT_EQ(x.read<double>(), (std::vector<double>{1, 2, 3, 4, 5, 6}));
   EXPECT_EQ(x.attribute<std::string>("units"), "kg");
-  const std::vector<std::string> axes = {"chain", "name"};
-  for (unsigned axis = 0; axis < axes.size(); ++axis) {
-    const h5::Dataset scale = group.dataset(axes[axis]);
+  for (const auto& [axis, name] : {std::pair{0u, "chain"}, {1u, "name"}}) {
+    const h5::Dataset scale = group.dataset(name);
     EXPECT_GT(H5DSis_scale(scale.id()), 0);
     EXPECT_GT(H5DSis_attached(x.id(), scale.id(), axis), 0);
   }
