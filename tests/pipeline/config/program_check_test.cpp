@@ -6,13 +6,11 @@
 namespace npdr::pipeline {
 namespace {
 
-class ProgramCheck : public ::testing::Test {
+class ProgramCheck : public FolderTest {
  protected:
   std::string fault(const std::string& command) const {
     return program_fault(command, folder_.path());
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(ProgramCheck, NamesTheFileThatIsntThere) {

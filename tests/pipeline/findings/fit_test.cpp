@@ -25,13 +25,6 @@ TEST_F(Verdicts, AFloorFarAboveTheScatterOfARecordingIsSaid) {
   EXPECT_EQ(finding_of(Check::fit).what, "") << "it may be noise";
 }
 
-TEST_F(Verdicts, HeldOutRolloutsAreJudgedWhereThereAreAny) {
-  plan_.study.target.held_out = 1;
-  EXPECT_EQ(plan_.study.why_unchecked(Check::held_out, plan_.study.methods.front()), "");
-  plan_.study.target.held_out = 0;
-  EXPECT_NE(plan_.study.why_unchecked(Check::held_out, plan_.study.methods.front()), "");
-}
-
 // Samples of the exact posterior of a linear model with white noise of N = 2 D + 10 values: the
 // rate that the documents tell is below 1e-6; 2000 trials of a fixed seed.
 TEST_F(Verdicts, TheErrorOfAnExactPosteriorIsNeverFarAboveTheFloor) {

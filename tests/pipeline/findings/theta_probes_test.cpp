@@ -111,15 +111,11 @@ TEST(ThetaFaults, AreOtherDistributions) {
   EXPECT_TRUE(says(faults(half), {"grave: a of the dataset isn't distributed"}));
 }
 
-// A third of the rows has a default, which the others, by themselves, don't hide.
-TEST(ThetaFaults, AreDefaults) {
+TEST(ThetaFaults, AreDefaultsAndAtTheEndsDontHideOthers) {
   RowMatrix theta = draws(kPrior, 1000);
+  // A third of the rows has a default, which the others, by themselves, don't hide.
   for (Index i = 0; i < theta.rows(); i += 3) theta(i, 0) = std::sqrt(30.0);
   EXPECT_TRUE(says(faults(theta), {"grave: a of the dataset isn't distributed"}));
-}
-
-TEST(ThetaFaults, AtTheEndsDontHideOthers) {
-  RowMatrix theta = draws(kPrior, 1000);
   for (Index i = 0; i < theta.rows(); ++i) theta(i, 0) = 0.1 * static_cast<double>(i % 41);
   EXPECT_TRUE(says(faults(theta), {"grave: 0.025 of a in the dataset are 0, an end of its prior",
                                    "a of the dataset isn't distributed"}));

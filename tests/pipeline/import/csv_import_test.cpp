@@ -1,6 +1,7 @@
 #include "pipeline/import/csv_import.h"
 
 #include <fmt/format.h>
+#include <utility>
 
 #include <cmath>
 
@@ -23,14 +24,14 @@ CsvOptions pendulum_options() {
           .source = ""};
 }
 
-class CsvImport : public ::testing::Test {
+class CsvImport : public FolderTest {
  protected:
   Target imported(const std::string& text, const CsvOptions& options = pendulum_options()) const {
     return import_csv({folder_.file("a.csv", text)}, options).target;
   }
-
-  TempFolder folder_;
 };
+
+const RowMatrix kStates = {{0.1, 1}, {0.2, 2}, {0.3, 3}}, kActions = {{5}, {6}};
 
 TEST_F(CsvImport, ReadsStatesAndActionsInTheSimulatorsOrder) {
   const Target target = imported(kCsv);
@@ -39,8 +40,8 @@ TEST_F(CsvImport, ReadsStatesAndActionsInTheSimulatorsOrder) {
   EXPECT_EQ(target.num_steps(), 2);
   EXPECT_EQ(target.rollouts[0].name, "a");
   EXPECT_EQ(target.source, "a.csv");
-  EXPECT_EQ(target.rollouts[0].states, (RowMatrix{{0.1, 1}, {0.2, 2}, {0.3, 3}}));
-  EXPECT_EQ(target.rollouts[0].actions, (RowMatrix{{5}, {6}})) << "the last action is ignored";
+  EXPECT_EQ(target.rollouts[0].states, kStates);
+  EXPECT_EQ(target.rollouts[0].actions, kActions) << "the last action is ignored";
 }
 
 TEST_F(CsvImport, TakesNamedColumnsAndIgnoresTheRest) {
@@ -54,82 +55,60 @@ TEST_F(CsvImport, TakesNamedColumnsAndIgnoresTheRest) {
   EXPECT_EQ(target.rollouts[0].states(2, 0), 3.0);
 }
 
-TEST_F(CsvImport, ReadsWhatSpreadsheetsWrite) {
-  const Target target = imported(
-      "\xEF\xBB\xBF\"time [s]\", theta [rad] ,\"theta_dot [rad/s]\",torque [N m]\r\n"
-      "0,\"0.1\", +1e0 ,5\r\n1e-1,.2,2,6\r\n0.2,0.3,3,\r\n\r\n  \r\n");
-  EXPECT_EQ(target.rollouts[0].states, (RowMatrix{{0.1, 1}, {0.2, 2}, {0.3, 3}}));
-  EXPECT_EQ(target.rollouts[0].actions, (RowMatrix{{5}, {6}}));
+TEST_F(CsvImport, ReadsWhatSpreadsheetsAndOtherCountriesWrite) {
+  CsvOptions european = pendulum_options();
+  european.format = {';', true};
+  const std::vector<std::pair<std::string, CsvOptions>> cases = {
+      {"\xEF\xBB\xBF\"time [s]\", theta [rad] ,\"theta_dot [rad/s]\",torque [N m]\r\n"
+       "0,\"0.1\", +1e0 ,5\r\n1e-1,.2,2,6\r\n0.2,0.3,3,\r\n\r\n  \r\n",
+       pendulum_options()},
+      {"t [s];theta [rad];theta_dot [rad/s];torque [N m]\n0;0,1;1;5\n0,1;0,2;2;6\n0,2;0,3;3;\n",
+       european}};
+  for (const auto& [text, options] : cases) {
+    const Target target = imported(text, options);
+    EXPECT_EQ(target.rollouts[0].states, kStates);
+    EXPECT_EQ(target.rollouts[0].actions, kActions);
+  }
 }
 
-TEST_F(CsvImport, AQuotedHeaderMayHoldCommasAndQuotes) {
-  const CsvOptions options = {.channels = {{{"a, \"b\"", ""}}, {}}, .dt = 0.5, .source = ""};
-  EXPECT_EQ(imported("\"a, \"\"b\"\" [m]\"\n1\n2\n", options).state_channels[0].unit, "m");
+TEST_F(CsvImport, HeadersMayHoldCommasQuotesAndBrackets) {
+  const CsvOptions options = {
+      .channels = {{{"x[0]", "m"}, {"x[1] [old]", ""}, {"a, \"b\"", ""}}, {}},
+      .dt = 0.5,
+      .source = ""};
+  EXPECT_EQ(imported("x[0] [m],x[1] [old] [mm],\"a, \"\"b\"\" [m]\"\n1,2,3\n3,4,5\n", options)
+                .state_channels,
+            (std::vector<Channel>{{"x[0]", "m"}, {"x[1] [old]", "mm"}, {"a, \"b\"", "m"}}));
 }
 
-TEST_F(CsvImport, JoinsFilesAsRollouts) {
-  const Target target = import_csv({folder_.file("a.csv", kCsv),
-                                    folder_.file("b.csv", edited(kCsv, "0.2,0.3", "0.2,0.4"))},
-                                   pendulum_options())
-                            .target;
-  EXPECT_EQ(target.num_rollouts(), 2);
-  EXPECT_EQ(target.rollouts[1].name, "b");
-  EXPECT_EQ(target.source, "a.csv, b.csv");
-}
-
-TEST_F(CsvImport, FilesOfOneNameAreToldApartByTheirFolders) {
+TEST_F(CsvImport, JoinsFilesAsRolloutsThatTheirFoldersTellApart) {
   for (const char* day : {"monday", "friday"}) {
     std::filesystem::create_directory(folder_ / day);
   }
   const Target target =
       import_csv({folder_.file("monday/run.csv", kCsv),
-                  folder_.file("friday/run.csv", edited(kCsv, "0.2,0.3", "0.2,0.4"))},
+                  folder_.file("friday/run.csv", edited(kCsv, "0.2,0.3", "0.2,0.4")),
+                  folder_.file("b.csv", edited(kCsv, "0.2,0.3", "0.2,0.5"))},
                  pendulum_options())
           .target;
+  ASSERT_EQ(target.num_rollouts(), 3);
   EXPECT_EQ(target.rollouts[0].name, "monday/run");
   EXPECT_EQ(target.rollouts[1].name, "friday/run");
+  EXPECT_TRUE(target.rollouts[2].name.ends_with("b"));
 }
 
-TEST_F(CsvImport, KnowsAClockByItsUnitAndName) {
+TEST_F(CsvImport, TakesTheTimeStepFromAClockOrTheOption) {
   for (const char* name : {"Time [s]", "ros_timestamp [s]", "Zeit [s]", "T [s]"}) {
     EXPECT_EQ(imported(edited(kCsv, "t [s]", name)).dt, 0.1) << name;
   }
-}
-
-TEST_F(CsvImport, TakesTheTimeStepFromTheOptionWithoutATimeColumn) {
   CsvOptions options = pendulum_options();
   options.dt = 0.02;
   EXPECT_EQ(imported(edited(kCsv, "t [s]", "row [1]"), options).dt, 0.02);
   options.dt = 0.1;
   EXPECT_EQ(imported(kCsv, options).dt, 0.1);
-}
-
-TEST_F(CsvImport, TimesMayBeRounded) {
-  EXPECT_EQ(imported(edited(kCsv, "0.1,0.2", "0.103,0.2")).num_steps(), 2);
-}
-
-TEST_F(CsvImport, AUnitIsTheLastBracketsAfterABlank) {
-  const CsvOptions options = {
-      .channels = {{{"x[0]", "m"}, {"x[1] [old]", ""}}, {}}, .dt = 0.5, .source = ""};
-  const std::string text = "x[0] [m],x[1] [old] [mm]\n1,2\n3,4\n";
-  EXPECT_EQ(imported(text, options).state_channels,
-            (std::vector<Channel>{{"x[0]", "m"}, {"x[1] [old]", "mm"}}));
-}
-
-TEST_F(CsvImport, WantsFilesAndStates) {
-  EXPECT_EQ(message_of<InputError>([&] { import_csv({}, pendulum_options()); }),
-            "no CSV files to import");
-  EXPECT_EQ(message_of<InputError>([&] { imported(kCsv, {}); }),
-            "no states to import: name their columns");
-}
-
-TEST_F(CsvImport, ReadsWhatOtherCountriesWrite) {
-  CsvOptions options = pendulum_options();
-  options.format = {';', true};
-  const Target target = imported(
-      "t [s];theta [rad];theta_dot [rad/s];torque [N m]\n0;0,1;1;5\n0,1;0,2;2;6\n0,2;0,3;3;\n",
-      options);
-  EXPECT_EQ(target.rollouts[0].states, imported(kCsv).rollouts[0].states);
+  options.channels.actions = {{"t", "N m"}};  // a channel is no clock
+  const std::string text = "theta [rad],theta_dot [rad/s],t [N m]\n0.1,1,5\n0.2,2,6\n0.3,3,7\n";
+  EXPECT_EQ(imported(text, options).rollouts[0].actions, kActions);
 }
 
 TEST_F(CsvImport, ScalesColumns) {
@@ -174,15 +153,7 @@ TEST_F(CsvImport, ResamplesClocksThatJitter) {
   const Target target = imported(edited(kCsv, "0.1,0.2,2", "0.12,0.22,2.2"), options);
   EXPECT_EQ(target.dt, 0.1);
   EXPECT_LT((target.rollouts[0].states - imported(kCsv).rollouts[0].states).norm(), 1e-12);
-  EXPECT_EQ(target.rollouts[0].actions, (RowMatrix{{5}, {6}}));
-}
-
-TEST_F(CsvImport, CutsRolloutsToOneLength) {
-  CsvOptions options = pendulum_options();
-  options.length = 0;
-  const ImportedRecording recording = import_csv(
-      {folder_.file("a.csv", kCsv + "0.3,0.4,4,8\n"), folder_.file("b.csv", kCsv)}, options);
-  EXPECT_EQ(recording.target.num_steps(), 2);
+  EXPECT_EQ(target.rollouts[0].actions, kActions);
 }
 
 // A pendulum that goes round, its angle as a device gives it.
@@ -197,14 +168,6 @@ TEST_F(CsvImport, UnwrapsAngles) {
   options = pendulum_options();
   options.check_rates = false;
   EXPECT_LT(imported(text, options).rollouts[0].states(199, 0), M_PI);
-}
-
-TEST_F(CsvImport, AChannelIsNoClock) {
-  CsvOptions options = pendulum_options();
-  options.dt = 0.1;
-  options.channels.actions = {{"t", "N m"}};
-  const std::string text = "theta [rad],theta_dot [rad/s],t [N m]\n0.1,1,5\n0.2,2,6\n0.3,3,7\n";
-  EXPECT_EQ(imported(text, options).rollouts[0].actions, (RowMatrix{{5}, {6}}));
 }
 
 }  // namespace

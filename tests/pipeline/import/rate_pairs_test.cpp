@@ -10,6 +10,12 @@ TEST(RatePairs, HaveTheSameNameAndAUnitPerSecond) {
             (std::vector<RatePair>{{0, 1}, {3, 2}}));
   EXPECT_TRUE(rate_pairs({{"theta", "deg"}, {"theta_dot", "rad/s"}}).empty());
   EXPECT_TRUE(rate_pairs({{"theta", "rad"}, {"thetadot", "rad/s"}}).empty());
+  EXPECT_EQ(rate_pairs({{"x", "m"}, {"x_dot", "m/s"}, {"x_dot_dot", "m/s^2"}}),
+            (std::vector<RatePair>{{0, 1}, {1, 2}}));
+  EXPECT_EQ(rate_unit("1"), "1/s");
+  EXPECT_TRUE(is_rate_of({"theta_dot", ""}, {"theta", "rad"})) << "an unknown unit may be any";
+  EXPECT_TRUE(is_rate_of({"theta_dot", "rad/s"}, {"theta", ""}));
+  EXPECT_FALSE(is_rate_of({"theta_dot", "deg/s"}, {"theta", "rad"}));
 }
 
 TEST(RatePairs, MayBeNamedOtherwise) {
@@ -32,18 +38,6 @@ TEST(RatePairs, TellPositions) {
       (std::vector<Index>{0, 2}))
       << "a load may leap";
   EXPECT_EQ(positions_of({{"q", ""}, {"q_dot", ""}}), std::vector<Index>{0});
-}
-
-TEST(RatePairs, MayBeRatesOfRates) {
-  EXPECT_EQ(rate_pairs({{"x", "m"}, {"x_dot", "m/s"}, {"x_dot_dot", "m/s^2"}}),
-            (std::vector<RatePair>{{0, 1}, {1, 2}}));
-  EXPECT_EQ(rate_unit("1"), "1/s");
-}
-
-TEST(RatePairs, AnUnknownUnitMayBeAny) {
-  EXPECT_TRUE(is_rate_of({"theta_dot", ""}, {"theta", "rad"}));
-  EXPECT_TRUE(is_rate_of({"theta_dot", "rad/s"}, {"theta", ""}));
-  EXPECT_FALSE(is_rate_of({"theta_dot", "deg/s"}, {"theta", "rad"}));
 }
 
 }  // namespace

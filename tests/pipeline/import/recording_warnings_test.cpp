@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/text.h"
 #include "sim/savitzky_golay.h"
@@ -33,31 +36,52 @@ std::string warning(const Target& target) {
   return all.empty() ? "" : all.front().what;
 }
 
-TEST(RecordingWarnings, ThereAreNoneOfARightOne) {
-  EXPECT_EQ(words_of(warnings_of(turning())), "");
-}
-
-TEST(RecordingWarnings, AnglesThatWrap) {
-  Target target = turning();
-  for (double& angle : target.rollouts[1].states.col(0)) {
-    angle = std::remainder(angle, 2.0 * std::numbers::pi);
-  }
-  EXPECT_TRUE(says(warning(target), {"alpha jumps by -6.249", "of rollout b", "it wraps"}));
-}
-
-TEST(RecordingWarnings, RatesInDegrees) {
-  Target target = turning();
+void in_degrees(Target& target) {
   for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 180.0 / std::numbers::pi;
-  EXPECT_TRUE(has(warning(target), {"degrees", "in an HDF5 file, correct the numbers"}));
 }
 
-// By a window that is longer than a swing, whose rates are far too small.
-TEST(RecordingWarnings, RatesInDegreesThatAreNamedOtherwise) {
+TEST(RecordingWarnings, ThereAreNoneOfARightOne) {
   Target target = turning();
+  EXPECT_EQ(words_of(warnings_of(target)), "");
   target.state_channels[1].label = "alpha speed";
   EXPECT_EQ(words_of(warnings_of(target)), "");
-  for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 180.0 / std::numbers::pi;
-  EXPECT_TRUE(has(warning(target), "degrees"));
+}
+
+// What is said of a recording that was changed; its rollouts are a and b.
+TEST(RecordingWarnings, TellWhatImportsTell) {
+  using Change = void (*)(Target&);
+  const std::vector<std::pair<Change, std::string>> cases = {
+      {[](Target& target) {
+         for (double& angle : target.rollouts[1].states.col(0)) {
+           angle = std::remainder(angle, 2.0 * std::numbers::pi);
+         }
+       },
+       "alpha jumps by -6.249"},
+      {in_degrees, "in an HDF5 file, correct the numbers"},
+      // By a window that is longer than a swing, whose rates are far too small.
+      {[](Target& target) {
+         target.state_channels[1].label = "alpha speed";
+         in_degrees(target);
+       },
+       "degrees"},
+      {[](Target& target) {
+         target.rollouts[1] = target.rollouts[0];
+         target.rollouts[1].name = "b";
+       },
+       "rollout b holds the same numbers as a"},
+      // Leaps of what has no measured rate.
+      {[](Target& target) {
+         target.rollouts[1].states.col(0).tail(300).array() += 1.0;
+         for (Rollout& rollout : target.rollouts) {
+           rollout.states.col(1) = sim::slopes(rollout.states.col(0), 11, target.dt);
+         }
+       },
+       "rollout b: alpha leaps by 1.03 in the step after 1.99 s"}};
+  for (const auto& [change, said] : cases) {
+    Target target = turning();
+    change(target);
+    EXPECT_TRUE(has(warning(target), said));
+  }
 }
 
 TEST(RecordingWarnings, ThereAreNoneOfComputedRates) {
@@ -74,24 +98,6 @@ TEST(RecordingWarnings, ThereAreNoneOfComputedRates) {
   EXPECT_EQ(words_of(warnings_of(target)), "");
   for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 1.001;  // measured, then
   EXPECT_NE(words_of(warnings_of(target)), "");
-}
-
-TEST(RecordingWarnings, LeapsOfWhatHasNoMeasuredRate) {
-  Target target = turning();
-  for (Rollout& rollout : target.rollouts) {
-    rollout.states.col(1) = sim::slopes(rollout.states.col(0), 11, target.dt);
-  }
-  auto& states = target.rollouts[1].states;
-  states.col(0).tail(300).array() += 1.0;
-  states.col(1) = sim::slopes(states.col(0), 11, target.dt);
-  EXPECT_TRUE(says(warning(target), {"rollout b: alpha leaps by 1.03 in the step after 1.99 s"}));
-}
-
-TEST(RecordingWarnings, Copies) {
-  Target target = turning();
-  target.rollouts[1] = target.rollouts[0];
-  target.rollouts[1].name = "b";
-  EXPECT_TRUE(says(warning(target), {"rollout b holds the same numbers as a"}));
 }
 
 }  // namespace

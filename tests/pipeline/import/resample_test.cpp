@@ -1,6 +1,7 @@
 #include "pipeline/import/resample.h"
 
 #include <cmath>
+#include <utility>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -74,14 +75,11 @@ TEST(Resample, TheErrorOfALineIsItsCurvature) {
 }
 
 TEST(Resample, AStepThatFillsTheMemoryIsRefused) {
-  EXPECT_TRUE(says(message_of<InputError>([] {
-                     even({0.0, 0.1}, 1e-9);
-                   }),
-                   {"1e-09 s makes 1e+08 steps of 2 rows", "must make at most 2000"}));
-  EXPECT_TRUE(says(message_of<InputError>([] {
-                     even({0.0, 0.1}, 1e-300);
-                   }),
-                   {"1e-300 s makes 1e+299 steps of 2 rows", "must make at most 2000"}));
+  for (const auto& [dt, said] : {std::pair{1e-9, "1e-09 s makes 1e+08 steps of 2 rows"},
+                                 {1e-300, "1e-300 s makes 1e+299 steps of 2 rows"}}) {
+    const auto refused = [dt = dt] { even({0.0, 0.1}, dt); };
+    EXPECT_TRUE(says(message_of<InputError>(refused), {said, "must make at most 2000"}));
+  }
   EXPECT_EQ(even({0.0, 0.1}, 0.1 / 2000.0).actions.rows(), 2000);
 }
 

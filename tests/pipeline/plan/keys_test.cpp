@@ -5,28 +5,14 @@
 
 #include "core/text.h"
 #include "pipeline/artefacts/dataset_file.h"
-#include "pipeline/artefacts/recording.h"
 #include "tests/pipeline/plan/field_changes.h"
 #include "tests/pipeline/plan/plan_parts.h"
+#include "tests/pipeline/standing_recording.h"
 #include "tests/sim/library/compiled_library.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
-
-// Three rollouts of a pendulum that stands where `state` is.
-void write_standing(const std::filesystem::path& path, double state) {
-  const auto simulator = sim::make_simulator({.name = "pendulum"});
-  Target target;
-  target.dt = 0.02;
-  target.state_channels = simulator->info().state_channels;
-  target.action_channels = simulator->info().action_channels;
-  for (const char* name : {"first", "second", "third"}) {
-    target.rollouts.push_back({name, RowMatrix::Constant(41, 2, state), RowMatrix::Zero(40, 1)});
-    state += 0.1;
-  }
-  write_recording(target, path);
-}
 
 const std::string kAllSteps = "embedding = { kind = \"all_steps\", downsample = 2 }";
 
@@ -111,7 +97,7 @@ std::string of_library() {
       .method("NPE", {kAllSteps});
 }
 
-class Keys : public ::testing::Test {
+class Keys : public FolderTest {
  protected:
   struct AllKeys {
     std::set<std::string> results;
@@ -123,8 +109,8 @@ class Keys : public ::testing::Test {
   };
 
   Keys() {
-    write_standing(folder_ / "standing.h5", 1.0);
-    write_standing(folder_ / "other.h5", 0.5);
+    write_standing(folder_ / "standing.h5", 3);
+    write_standing(folder_ / "other.h5", 3, 40, 0.5);
     folder_.file("x_o.csv", "peak,mean\n1,2\n");
     folder_.file("other.csv", "peak,mean\n1,3\n");
     folder_.file("simulate.sh", "exit 0");
@@ -233,7 +219,6 @@ class Keys : public ::testing::Test {
             {"cluster.sbatch", {"--qos=long"}}};
   }
 
-  TempFolder folder_;
   TextsByPath texts_ = known_texts();
   std::map<std::pair<std::string, Affects>, Effects> effects_;
 };

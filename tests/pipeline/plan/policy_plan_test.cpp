@@ -48,13 +48,6 @@ TEST(PolicyPlan, EveryMethodSearchesAndIsTestedBeforeAndAfter) {
   EXPECT_EQ(traits_of(Stage::policy_test).program, "npdr-policy");
 }
 
-TEST(PolicyPlan, KeysOfEachStageStay) {
-  const Plan plan = loop_of();
-  EXPECT_EQ(last_key(plan, Stage::target), "68600c8f7fc899200f6153c49d4929fc");
-  EXPECT_EQ(last_key(plan, Stage::policy), "3abef2bf40e951d0b0176791fcb3dc45");
-  EXPECT_EQ(last_key(plan, Stage::policy_test), "35298bfa51e249e3553a1ea4deaa63f5");
-}
-
 TEST(PolicyPlan, LaterIterationsInferFromWhatThePolicyCollects) {
   const Plan plan = loop_of();
   const Node& collection = plan.node(Stage::target, {"online", 1, 0, 2});

@@ -25,13 +25,11 @@ std::string two_searches() {
                             "y = { parameter = \"gravity\", values = [9.0, 9.8, 10.0] }"});
 }
 
-class PolicyStages : public ::testing::Test {
+class PolicyStages : public FolderTest {
  protected:
   Plan plan(const std::vector<std::string>& overrides = {}) const {
     return make_plan(parse_study(two_searches(), "p.toml", overrides), WorkFolder(folder_.path()));
   }
-
-  TempFolder folder_;
 };
 
 double parameter(const Plan& plan, const RowMatrix& theta, Index row, const char* name) {
@@ -156,22 +154,6 @@ TEST_F(PolicyStages, WithARecordingThereIsTheGridAlone) {
   ASSERT_TRUE(test.grid);
   const Plan without = plan({recorded.front(), "policy.grid={}"});
   EXPECT_THROW(without.node(Stage::policy_test, {"Point", 1, 0, 0}), InputError);
-}
-
-TEST_F(PolicyStages, ACheckpointOfSomethingElseIsNamed) {
-  const Plan p = plan();
-  const Node& node = p.node(Stage::policy, {"Randomized", 1, 0, 1});
-  PolicyCheckpoint checkpoint;
-  checkpoint.history.policies = RowMatrix::Zero(1, 2);
-  checkpoint.history.mean_return = checkpoint.history.success_rate =
-      checkpoint.history.completion_rate = Vector::Zero(1);
-  checkpoint.history.candidate_return = RowMatrix::Zero(1, 3);
-  checkpoint.optimizer = {1, Vector::Zero(2), RowMatrix::Identity(2, 2), RowMatrix::Zero(1, 2),
-                          Vector::Zero(1)};
-  kPolicyCheckpointSchema.write(p.work.checkpoint("policy", node.key), node.identity, checkpoint);
-  const std::string message = message_of<InputError>([&] { run_stage(p, node); });
-  EXPECT_TRUE(has(message, {p.work.checkpoint("policy", node.key).string(),
-                            "remove it and rerun stage 'policy'"}));
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "sim/noise_likelihood.h"
 #include "sim/observation_noise.h"
 #include "tests/pipeline/small_study.h"
+#include "tests/pipeline/stages/run_until.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -53,18 +54,11 @@ TEST(WeightsAtPower, AreThoseOfTheLikelihoodsPower) {
   EXPECT_NEAR(cut(7), std::exp(0.0) / 10.0, 1e-9) << "a tenth of the sum, which is its own";
 }
 
-class RefineStage : public ::testing::Test {
+class RefineStage : public FolderTest {
  protected:
-  Plan plan_of(const std::string& text, const std::string& work = "runs") const {
-    return make_plan(parse_study(text, "s.toml"), WorkFolder(folder_.path() / work));
+  Plan plan_of(const std::string& text, const std::vector<std::string>& overrides = {}) const {
+    return make_plan(parse_study(text, "s.toml", overrides), WorkFolder(folder_ / "runs"));
   }
-  static void run_until(const Plan& plan, Stage last) {
-    for (const Node& node : plan.nodes) {
-      if (node.stage <= last) run_stage(plan, node);
-    }
-  }
-
-  TempFolder folder_;
 };
 
 // The posterior's means over u and its log Z by the trapezoidal rule.
@@ -177,9 +171,7 @@ TEST_F(RefineStage, AgreesWithAGridFromAnyStart) {
 
 TEST_F(RefineStage, IsShownWithItsCertificate) {
   const Plan plan = plan_of(study_with("scale = 0.2"));
-  for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::report) run_stage(plan, node);
-  }
+  run_until(plan, Stage::evaluate);
   const ReportData data = read_report_data(plan, plan.nodes.back());
   const analysis::Table table = refinement_table(data).value();
   ASSERT_EQ(table.rows.size(), 2u);
@@ -240,9 +232,7 @@ double error_at_truth(const Plan& plan, Index channel) {
 // Four of these and 7 %.
 TEST_F(RefineStage, NoiseThatIsInferredIsInTheReport) {
   const Plan plan = plan_of(study_with("scale_prior = [0.2, 1.0]"));
-  for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::report) run_stage(plan, node);
-  }
+  run_until(plan, Stage::evaluate);
   const ReportData data = read_report_data(plan, plan.nodes.back());
   const analysis::Table table = noise_table(data).value();
   ASSERT_EQ(table.rows.size(), 2u);
@@ -341,17 +331,15 @@ TEST_F(RefineStage, SimulationsThatFailAreCounted) {
 }
 
 TEST_F(RefineStage, KeysDependOnWhatThePosteriorDoes) {
-  const std::string text = study_with("scale = 0.2");
   const auto key = [&](const std::vector<std::string>& overrides) {
-    return make_plan(parse_study(text, "s.toml", overrides), WorkFolder(folder_.path()))
-        .node(Stage::infer, {"Refined", 1, 1})
-        .key;
+    return plan_of(study_with("scale = 0.2"), overrides).node(Stage::infer, {"Refined", 1, 1}).key;
   };
-  const std::string before = key({});
-  EXPECT_NE(key({"observation_noise.scale=0.3"}), before);
-  EXPECT_NE(key({"observation_noise.degrees_of_freedom=4"}), before);
-  EXPECT_NE(key({"method.refine.likelihood_power=0.5"}), before);
-  EXPECT_NE(key({"method.num_simulations=600"}), before) << "of the method that it starts from";
+  for (const char* setting :
+       {"observation_noise.scale=0.3", "observation_noise.degrees_of_freedom=4",
+        "method.refine.likelihood_power=0.5",
+        "method.num_simulations=600"}) {  // of the method that it starts from
+    EXPECT_NE(key({setting}), key({})) << setting;
+  }
 }
 
 }  // namespace

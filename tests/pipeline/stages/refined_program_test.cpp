@@ -7,6 +7,7 @@
 #include "pipeline/run/run_stage.h"
 #include "tests/message_of.h"
 #include "tests/pipeline/small_study.h"
+#include "tests/pipeline/stages/run_until.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -19,7 +20,7 @@ most=0.97; test ! -e bad || most=0.5
 awk -F, -v most=$most 'NR > 1 { if ($1 > most) print "nan"; else print $1 } END { print NR - 1 >> "calls" }' "$1" > "$2"
 )sh";
 
-class RefinedPrograms : public ::testing::Test {
+class RefinedPrograms : public FolderTest {
  protected:
   RefinedPrograms() {
     folder_.file("x_o.csv", "x\n0.96\n");
@@ -37,11 +38,6 @@ class RefinedPrograms : public ::testing::Test {
                                  .with("evaluate", {"num_samples = 20"});
     return make_plan(parse_study(text, folder_ / "s.toml"), WorkFolder(folder_ / "work"));
   }
-  static void run(const Plan& plan) {
-    for (const Node& node : plan.nodes) run_stage(plan, node);
-  }
-
-  TempFolder folder_;
 };
 
 // They begin after the simulations of the prior, which were fine.
@@ -58,16 +54,9 @@ TEST_F(RefinedPrograms, StopAtTooManyFailures) {
   EXPECT_TRUE(has(message, "a refinement takes their parameters for impossible"));
 }
 
-TEST_F(RefinedPrograms, SayHowManyFailed) {
-  const Plan plan = plan_of("1");
-  run(plan);
-  const std::string report = text_of(folder_ / "work/program/report.html");
-  EXPECT_TRUE(has(report, "count as impossible parameters"));
-}
-
 // Between two calls a checkpoint can be written.
 TEST_F(RefinedPrograms, AreCalledWithAShardAtMost) {
-  run(plan_of("1"));
+  run_until(plan_of("1"), Stage::infer);
   std::istringstream calls(text_of(folder_ / "calls"));
   Index most = 0;
   for (Index rows = 0; calls >> rows;) most = std::max(most, rows);

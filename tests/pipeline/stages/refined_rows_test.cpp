@@ -12,6 +12,7 @@
 #include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"
 #include "tests/message_of.h"
+#include "tests/pipeline/stages/run_until.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
@@ -56,26 +57,21 @@ std::string study_text() {
       .with("cluster", {"refine_tasks = 2"});
 }
 
-class RefinedRowsOfAStudy : public ::testing::Test {
+class RefinedRowsOfAStudy : public FolderTest {
  protected:
   RefinedRowsOfAStudy()
       : plan_(plan_of("runs")),
         node_(plan_.node(Stage::infer, {"Refined", 1, 1})),
         rows_(plan_.work.asked_rows(node_.key)) {
-    make_target(plan_);
+    run_until(plan_, Stage::target);
   }
 
   Plan plan_of(const std::string& work) const {
     return make_plan(parse_study(study_text(), "s.toml"), WorkFolder(folder_ / work));
   }
-  static void make_target(const Plan& plan) {
-    for (const Node& node : plan.nodes) {
-      if (node.stage == Stage::target) run_stage(plan, node);
-    }
-  }
   std::string digest_alone() const {
     const Plan plan = plan_of("alone");
-    make_target(plan);
+    run_until(plan, Stage::target);
     run_stage(plan, plan.node(Stage::infer, {"Refined", 1, 1}));
     return content_digest(plan.node(Stage::infer, {"Refined", 1, 1}).path);
   }
@@ -88,16 +84,10 @@ class RefinedRowsOfAStudy : public ::testing::Test {
     return message_of<InputError>([&] { help_refinement(plan_, node_, {1, 1}, 0.0); });
   }
 
-  TempFolder folder_;
   Plan plan_;
   const Node& node_;
   fs::path rows_;
 };
-
-TEST_F(RefinedRowsOfAStudy, AHelperThatNobodyAsksEnds) {
-  EXPECT_EQ(help_refinement(plan_, node_, {1, 2}, 0.0), 0);
-  EXPECT_TRUE(fs::is_directory(rows_));
-}
 
 TEST_F(RefinedRowsOfAStudy, AHelperGivesUpWithoutATarget) {
   const Plan plan = plan_of("empty");
