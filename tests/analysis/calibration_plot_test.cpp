@@ -2,10 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/atomic_file.h"
 #include "core/error.h"
-#include "tests/analysis/markup_check.h"
-#include "tests/temp_folder.h"
+#include "tests/analysis/drawn.h"
 
 namespace npdr::analysis {
 namespace {
@@ -19,43 +17,24 @@ RankPlot ranks_of(const std::vector<std::string>& methods) {
 }
 
 TEST(CalibrationPlot, DrawsAPanelPerParameter) {
-  const TempFolder folder;
-  const FigureFiles files = write_figure(figure_of(ranks_of({"A", "B <&>"})), folder.path());
-  const std::string svg = read_text_file(files.svg);
-  EXPECT_EQ(markup_error(svg), "");
-  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2 * 4);  // band, even share, two methods
-  EXPECT_TRUE(has(svg, {">mass<", ">pole_length<", ">A<", ">B &lt;&amp;><"}));
-  EXPECT_TRUE(is_png(read_text_file(files.png)));
+  const Drawn found = drawn(figure_of(ranks_of({"A", "B <&>"})));
+  EXPECT_EQ(found.num_plots(), 2 * 4);  // band, even share, two methods
+  EXPECT_TRUE(has(found.svg, {">mass<", ">pole_length<", ">A<", ">B &lt;&amp;><"}));
+  const std::string& data = found.data.at("ranks_1.dat");
+  EXPECT_EQ(data.substr(data.find('\n') + 1), "0 1.5 0.5\n0.5 0.5 1.5\n1 0.5 1.5\n")
+      << "shares over the even one";
 }
 
-TEST(CalibrationPlot, RanksAreSharesOverTheEvenOne) {
-  const TempFolder folder;
-  write_figure(figure_of(ranks_of({"A"})), folder.path());
-  const std::string data = read_text_file(folder.path() / "ranks_1.dat");
-  EXPECT_EQ(data.substr(data.find('\n') + 1), "0 1.5 0.5\n0.5 0.5 1.5\n1 0.5 1.5\n");
-}
-
-TEST(CalibrationPlot, DrawsCurvesOfCoverage) {
-  const TempFolder folder;
+TEST(CalibrationPlot, DrawsCurvesOfCoverageInOneColorAMethod) {
   const Vector level = Vector::LinSpaced(11, 0.0, 1.0);
-  const CoveragePlot plot{
-      "coverage", {{"highest density", {{"A", level, level}, {"B", level, level}}}}, 100};
-  const std::string svg = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
-  EXPECT_EQ(markup_error(svg), "");
-  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);  // band, diagonal and two methods
-  EXPECT_TRUE(has(svg, ">highest density<"));
-}
-
-TEST(CalibrationPlot, AMethodHasOneColorInAllPanels) {
-  const TempFolder folder;
-  const Vector level = Vector::LinSpaced(11, 0.0, 1.0);
-  const CoveragePlot plot{
-      "coverage",
-      {{"1", {{"A", level, level}, {"B", level, level}}}, {"2", {{"B", level, level}}}},
-      9};
-  const FigureFiles files = write_figure(figure_of(plot), folder.path());
-  const std::string script = read_text_file(files.script);
-  EXPECT_TRUE(has(script, "'coverage_3.dat' using 1:2 with lines lw 1.6 lc rgb '#00e69f00'"));
+  const Drawn found =
+      drawn(figure_of(CoveragePlot{"coverage",
+                                   {{"highest density", {{"A", level, level}, {"B", level, level}}},
+                                    {"2", {{"B", level, level}}}},
+                                   100}));
+  EXPECT_EQ(found.num_plots(), 4 + 3);  // band, diagonal and methods
+  EXPECT_TRUE(has(found.svg, ">highest density<"));
+  EXPECT_TRUE(has(found.script, "'coverage_3.dat' using 1:2 with lines lw 1.6 lc rgb '#00e69f00'"));
 }
 
 TEST(CalibrationPlot, RejectsWhatCantBeDrawn) {

@@ -4,10 +4,8 @@
 
 #include <cmath>
 
-#include "core/atomic_file.h"
 #include "core/error.h"
-#include "tests/analysis/markup_check.h"
-#include "tests/temp_folder.h"
+#include "tests/analysis/drawn.h"
 
 namespace npdr::analysis {
 namespace {
@@ -35,22 +33,17 @@ CurvePlot curve_plot_of(const std::vector<std::string>& methods) {
 }
 
 TEST(CurvePlot, DrawsABandAndACurveOfEachMethod) {
-  const TempFolder folder;
-  const FigureFiles files = write_figure(figure_of(curve_plot_of({"A", "B <&>"})), folder.path());
-  const std::string svg = read_text_file(files.svg);
-  EXPECT_EQ(markup_error(svg), "");
-  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);
-  EXPECT_TRUE(has(svg, {">A<", ">B &lt;&amp;><", ">search iteration<", ">return<"}));
-  EXPECT_TRUE(is_png(read_text_file(files.png)));
+  const Drawn found = drawn(figure_of(curve_plot_of({"A", "B <&>"})));
+  EXPECT_EQ(found.num_plots(), 4);
+  EXPECT_TRUE(has(found.svg, {">A<", ">B &lt;&amp;><", ">search iteration<", ">return<"}));
 }
 
 TEST(CurvePlot, CopesWithConstantAndMissingValues) {
-  const TempFolder folder;
   for (const double value : {0.0, -3.0, std::nan("")}) {
     CurvePlot plot = curve_plot_of({"A"});
     Curve& curve = plot.curves.front();
     for (Vector* part : {&curve.mean, &curve.lower, &curve.upper}) part->setConstant(value);
-    EXPECT_EQ(markup_error(read_text_file(write_figure(figure_of(plot), folder.path()).svg)), "");
+    drawn(figure_of(plot));
   }
 }
 

@@ -4,10 +4,8 @@
 
 #include <cmath>
 
-#include "core/atomic_file.h"
 #include "core/error.h"
-#include "tests/analysis/markup_check.h"
-#include "tests/temp_folder.h"
+#include "tests/analysis/drawn.h"
 
 namespace npdr::analysis {
 namespace {
@@ -26,30 +24,20 @@ HeatMapPlot heat_map_of(const std::vector<std::string>& methods) {
 }
 
 TEST(HeatMap, DrawsAMapPerMethod) {
-  const TempFolder folder;
-  const FigureFiles files =
-      write_figure(figure_of(heat_map_of({"A", "B", "C", "D <&>"})), folder.path());  // two rows
-  const std::string svg = read_text_file(files.svg);
-  EXPECT_EQ(markup_error(svg), "");
-  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4);
-  EXPECT_TRUE(
-      has(svg, {">A<", ">D &lt;&amp;><", ">pole mass [kg]<", ">gain<", ">mean return<", ">0.4<"}));
-  EXPECT_TRUE(is_png(read_text_file(files.png)));
-}
-
-TEST(HeatMap, EachPointOfTheGridIsACell) {
-  const TempFolder folder;
-  write_figure(figure_of(heat_map_of({"A"})), folder.path());
-  const std::string data = read_text_file(folder.path() / "robustness_1.dat");
-  EXPECT_EQ(data.substr(data.find('\n') + 1), "0 0 1\n0 1 2\n1 0 3\n1 1 4\n2 0 5\n2 1 6\n");
+  const Drawn found = drawn(figure_of(heat_map_of({"A", "B", "C", "D <&>"})));  // two rows
+  EXPECT_EQ(found.num_plots(), 4);
+  EXPECT_TRUE(has(found.svg, {">A<", ">D &lt;&amp;><", ">pole mass [kg]<", ">gain<",
+                              ">mean return<", ">0.4<"}));
+  const std::string& data = found.data.at("robustness_1.dat");
+  EXPECT_EQ(data.substr(data.find('\n') + 1), "0 0 1\n0 1 2\n1 0 3\n1 1 4\n2 0 5\n2 1 6\n")
+      << "each point of the grid is a cell";
 }
 
 TEST(HeatMap, AMarkLiesBetweenItsNeighbors) {
-  const TempFolder folder;
-  const auto script = [&](double x, double y) {
+  const auto script = [](double x, double y) {
     HeatMapPlot plot = heat_map_of({"A"});
     plot.mark = {x, y};
-    return read_text_file(write_figure(figure_of(plot), folder.path()).script);
+    return drawn(figure_of(plot)).script;
   };
   EXPECT_TRUE(has(script(0.3, 1.25), "first 1.5, first 0.25"));
   EXPECT_TRUE(has(script(0.1, 2.0), "first 0, first 1"));
@@ -57,12 +45,10 @@ TEST(HeatMap, AMarkLiesBetweenItsNeighbors) {
 }
 
 TEST(HeatMap, LabelsAsManyCellsAsThereIsRoomFor) {
-  const TempFolder folder;
   HeatMapPlot plot = heat_map_of({"A"});
   plot.x.points = Vector::LinSpaced(40, 0.1001, 0.4991);
   plot.maps.front().values = RowMatrix::Constant(40, 2, std::nan(""));
-  const std::string svg = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
-  EXPECT_EQ(markup_error(svg), "");
+  const std::string svg = drawn(figure_of(plot)).svg;
   EXPECT_LE(count_of(svg, ">0."), 5);
   EXPECT_TRUE(has(svg, ">0.1001<"));
 }

@@ -2,10 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/atomic_file.h"
 #include "core/error.h"
-#include "tests/analysis/markup_check.h"
-#include "tests/temp_folder.h"
+#include "tests/analysis/drawn.h"
 
 namespace npdr::analysis {
 namespace {
@@ -26,37 +24,24 @@ IntervalPlot interval_plot_of(std::size_t num_sets) {
   return plot;
 }
 
-TEST(IntervalPlot, DrawsTheRowsAndBothIntervalsOfEachSet) {
-  const TempFolder folder;
-  const std::string svg =
-      read_text_file(write_figure(figure_of(interval_plot_of(2)), folder.path()).svg);
-  EXPECT_EQ(markup_error(svg), "");
-  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 1 + 2 * 2);
-  EXPECT_TRUE(has(svg, {">pole mass<", ">pole length<", ">set 1<", ">nominal<"}));
-  const std::string wide = read_text_file(folder.path() / "intervals_2.dat");
-  const std::string narrow = read_text_file(folder.path() / "intervals_3.dat");
+TEST(IntervalPlot, DrawsTheRowsAndBothIntervalsOfEachSetWithTips) {
+  const Drawn found = drawn(figure_of(interval_plot_of(2)));
+  EXPECT_EQ(found.num_plots(), 1 + 2 * 2);
+  EXPECT_TRUE(has(found.svg, {">pole mass<", ">pole length<", ">set 1<", ">nominal<",
+                              "<title>pole_mass [kg]\nA: 1 &amp; more</title>"}));
+  EXPECT_EQ(count_of(found.svg, "<rect class=\"tip\""), 2);
+  const std::string& wide = found.data.at("intervals_2.dat");
   EXPECT_TRUE(has(wide, "\n0.1 1.73")) << "the first row is above";
   EXPECT_TRUE(has(wide, " 0.4 0\n")) << "and as long as the interval";
-  EXPECT_TRUE(has(narrow, {"\n0.2 1.73", " 0.2 0\n"}));
-}
-
-TEST(IntervalPlot, RowsHaveTips) {
-  const TempFolder folder;
-  const std::string svg =
-      read_text_file(write_figure(figure_of(interval_plot_of(1)), folder.path()).svg);
-  EXPECT_TRUE(has(svg, "<title>pole_mass [kg]\nA: 1 &amp; more</title>"));
-  EXPECT_EQ(count_of(svg, "<rect class=\"tip\""), 2);
+  EXPECT_TRUE(has(found.data.at("intervals_3.dat"), {"\n0.2 1.73", " 0.2 0\n"}));
 }
 
 TEST(IntervalPlot, FitsIntoAWidthThatIsGiven) {
-  const TempFolder folder;
   IntervalPlot plot = interval_plot_of(1);
   plot.width = 340.0;
-  const std::string svg = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
-  EXPECT_TRUE(has(svg, "viewBox=\"0 0 340 ")) << svg.substr(0, 400);
+  EXPECT_TRUE(has(drawn(figure_of(plot)).svg, "viewBox=\"0 0 340 "));
   plot.width = 100.0;
-  const std::string least = read_text_file(write_figure(figure_of(plot), folder.path()).svg);
-  EXPECT_FALSE(has(least, "viewBox=\"0 0 100 ")) << "rows can still be seen";
+  EXPECT_FALSE(has(drawn(figure_of(plot)).svg, "viewBox=\"0 0 100 ")) << "rows can still be seen";
 }
 
 TEST(IntervalPlot, RejectsWhatCantBeDrawn) {

@@ -4,11 +4,9 @@
 
 #include <cmath>
 
-#include "core/atomic_file.h"
 #include "core/constants.h"
 #include "core/error.h"
-#include "tests/analysis/markup_check.h"
-#include "tests/temp_folder.h"
+#include "tests/analysis/drawn.h"
 
 namespace npdr::analysis {
 namespace {
@@ -46,29 +44,24 @@ Prediction prediction_of(const std::string& name, const Target& target, Index st
 }
 
 TEST(TrajectoryPlot, DrawsAPanelPerChannelAndRollout) {
-  const TempFolder folder;
   const Target target = target_of(2);
   const TrajectoryPlot plot{"motion", {prediction_of("A", target), prediction_of("B <&>", target)}};
-  const FigureFiles files = write_figure(figure_of(plot, target), folder.path());
-  const std::string svg = read_text_file(files.svg);
-  EXPECT_EQ(markup_error(svg), "");
+  const Drawn found = drawn(figure_of(plot, target));
   // Four panels: two bands, two medians and the recording in each; every plot is a group.
-  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 4 * 5);
-  EXPECT_TRUE(has(svg, {">rollout_0<", ">rollout_1<", ">angle [rad]<", ">angle dot<", ">[rad/s]<",
-                        ">time [s]<", ">target domain<", ">A: median, 90 % of 12 samples<",
-                        ">B &lt;&amp;>: median, 90 % of 12 samples<"}));
-  EXPECT_TRUE(is_png(read_text_file(files.png)));
+  EXPECT_EQ(found.num_plots(), 4 * 5);
+  EXPECT_TRUE(
+      has(found.svg, {">rollout_0<", ">rollout_1<", ">angle [rad]<", ">angle dot<", ">[rad/s]<",
+                      ">time [s]<", ">target domain<", ">A: median, 90 % of 12 samples<",
+                      ">B &lt;&amp;>: median, 90 % of 12 samples<"}));
 }
 
 TEST(TrajectoryPlot, DataHoldRecordedAndPredictedSideBySide) {
-  const TempFolder folder;
   const Target target = target_of(1);
   TrajectoryPlot plot{"motion", {prediction_of("A", target, 2)}};
   plot.store_every = 2;
   plot.channels = {1};
   plot.max_points = 10;  // of 20 stored states: every second
-  write_figure(figure_of(plot, target), folder.path());
-  const std::string data = read_text_file(folder.path() / "motion_rollout_0.dat");
+  const std::string data = drawn(figure_of(plot, target)).data.at("motion_rollout_0.dat");
   EXPECT_EQ(count_of(data, "\n"), 11);
   EXPECT_TRUE(
       data.starts_with("# rollout_0: time [s]; angle_dot [rad/s] recorded, A lower median "
@@ -89,21 +82,19 @@ TEST(TrajectoryPlot, DataHoldRecordedAndPredictedSideBySide) {
 }
 
 TEST(TrajectoryPlot, ShowsTheFirstSixRolloutsOrTheSelectedOnes) {
-  const TempFolder folder;
   const Target target = target_of(7);
   TrajectoryPlot plot{"motion", {}};
-  std::string svg = read_text_file(write_figure(figure_of(plot, target), folder.path()).svg);
-  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 6 * 2);
-  EXPECT_FALSE(has(svg, ">rollout_6<"));
+  const Drawn first = drawn(figure_of(plot, target));
+  EXPECT_EQ(first.num_plots(), 6 * 2);
+  EXPECT_FALSE(has(first.svg, ">rollout_6<"));
   plot.rollouts = {6};
-  svg = read_text_file(write_figure(figure_of(plot, target), folder.path()).svg);
-  EXPECT_TRUE(has(svg, ">rollout_6<"));
-  EXPECT_EQ(count_of(svg, "<g id=\"gnuplot_plot_"), 2);
+  const Drawn selected = drawn(figure_of(plot, target));
+  EXPECT_TRUE(has(selected.svg, ">rollout_6<"));
+  EXPECT_EQ(selected.num_plots(), 2);
 }
 
 // A constant recorded channel has no range of its own, and bands may be wild or missing.
 TEST(TrajectoryPlot, CopesWithConstantSeriesAndWildBands) {
-  const TempFolder folder;
   Target target = target_of(1);
   target.rollouts[0].states.col(0).setZero();
   Prediction wild = prediction_of("wild", target);
@@ -112,37 +103,32 @@ TEST(TrajectoryPlot, CopesWithConstantSeriesAndWildBands) {
   for (auto* part : {&missing.bands.lower, &missing.bands.median, &missing.bands.upper}) {
     (*part)[0].setConstant(kNaN);
   }
-  const FigureFiles files =
-      write_figure(figure_of(TrajectoryPlot{"motion", {wild, missing}}, target), folder.path());
-  EXPECT_EQ(markup_error(read_text_file(files.svg)), "");
+  const Drawn found = drawn(figure_of(TrajectoryPlot{"motion", {wild, missing}}, target));
   // The range of the second row reaches no further than its own size beyond the recording.
-  EXPECT_FALSE(has(read_text_file(files.script), "e+"));
+  EXPECT_FALSE(has(found.script, "e+"));
 }
 
 TEST(TrajectoryPlot, RejectsWhatItCannotShow) {
   const Target target = target_of(2);
-  const auto expect_input_error = [&](const TrajectoryPlot& plot) {
-    EXPECT_THROW(figure_of(plot, target), InputError);
+  using Change = void (*)(TrajectoryPlot&);
+  const auto changed = [&](Change change) {
+    TrajectoryPlot plot{"motion", {prediction_of("A", target)}};
+    change(plot);
+    return plot;
   };
-  TrajectoryPlot plot{"motion", {}};
-  plot.rollouts = {2};
-  expect_input_error(plot);
-  plot.rollouts = {};
-  plot.channels = {-1};
-  expect_input_error(plot);
-  plot.channels.assign(13, 0);
-  expect_input_error(plot);
-  plot.channels = {};
-  plot.predictions.assign(7, prediction_of("A", target));
-  expect_input_error(plot);
-  plot.predictions.resize(1);
-  plot.store_every = 0;
-  expect_input_error(plot);
-  plot.store_every = 2;
-  EXPECT_THROW(figure_of(plot, target), ShapeError);
-  plot.store_every = 1;
-  plot.predictions[0].bands.upper.pop_back();
-  EXPECT_THROW(figure_of(plot, target), ShapeError);
+  for (const Change change : std::initializer_list<Change>{
+           [](TrajectoryPlot& plot) { plot.rollouts = {2}; },
+           [](TrajectoryPlot& plot) { plot.channels = {-1}; },
+           [](TrajectoryPlot& plot) { plot.channels.assign(13, 0); },
+           [](TrajectoryPlot& plot) { plot.predictions.assign(7, plot.predictions[0]); },
+           [](TrajectoryPlot& plot) { plot.store_every = 0; }}) {
+    EXPECT_THROW(figure_of(changed(change), target), InputError);
+  }
+  for (const Change change : std::initializer_list<Change>{
+           [](TrajectoryPlot& plot) { plot.store_every = 2; },
+           [](TrajectoryPlot& plot) { plot.predictions[0].bands.upper.pop_back(); }}) {
+    EXPECT_THROW(figure_of(changed(change), target), ShapeError);
+  }
 }
 
 }  // namespace

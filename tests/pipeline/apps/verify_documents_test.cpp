@@ -38,7 +38,7 @@ void for_each_change(const Json& document, const Json::json_pointer& at,
   }
 }
 
-class VerifyDocuments : public ::testing::Test {
+class VerifyDocuments : public FolderTest {
  protected:
   // Everything that a node needs, and itself.
   static void make(const Plan& plan, const Node& node) {
@@ -86,18 +86,13 @@ class VerifyDocuments : public ::testing::Test {
     EXPECT_TRUE(verify(node.path, {}).different.empty()) << "and unchanged it's good";
   }
 
-  static Plan plan_of(const std::string& text, const TempFolder& folder) {
-    return make_plan(parse_study(text, "s.toml"), WorkFolder(folder.path()));
-  }
-
   Plan twenty_simulations() const {
-    return plan_of(pendulum_study("s")
-                       .with("simulator", {"store_every = 100"})
-                       .method("A", {"num_simulations = 20", "algorithm = \"abc_rejection\""}),
-                   folder_);
+    const std::string text =
+        pendulum_study("s")
+            .with("simulator", {"store_every = 100"})
+            .method("A", {"num_simulations = 20", "algorithm = \"abc_rejection\""});
+    return make_plan(parse_study(text, "s.toml"), WorkFolder(folder_.path()));
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(VerifyDocuments, OfSimulationsAndProposalsAreCheckedAsTheyAreUsed) {

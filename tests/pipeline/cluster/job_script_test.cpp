@@ -1,8 +1,10 @@
 #include "pipeline/cluster/job_script.h"
 
 #include <gtest/gtest.h>
+#include <utility>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/config/cluster_check.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/message_of.h"
@@ -22,7 +24,7 @@ std::string one_method() {
              "simulate = { cpus = 2, memory = \"500M\" }"});
 }
 
-class JobScripts : public testing::Test {
+class JobScripts : public FolderTest {
  protected:
   std::string script(Stage stage, const Job& job) const {
     Job complete = job;
@@ -32,7 +34,6 @@ class JobScripts : public testing::Test {
                       complete);
   }
 
-  TempFolder folder_;
   Plan plan_ = make_plan(parse_study(one_method(), "s.toml"), WorkFolder(folder_ / "runs"));
 };
 
@@ -70,79 +71,40 @@ TEST_F(JobScripts, OfOtherStagesRunTheirArtefacts) {
              "exec /opt/npdr/npdr task -- /opt/npdr/npdr run 'my study.toml' \\\n  --artefact "}));
 }
 
-TEST(ClusterTable, IsCheckedAndASitesKeysAreDefaults) {
-  const std::string text = one_method();
+// Messages are in tests/golden/config.txt.
+TEST(ClusterTable, TakesASitesKeysForDefaults) {
   ClusterConfig site;
   site.account = "lab";
   site.partition = "long";
-  const Study study = parse_study(text, "s.toml", {}, site);
+  const Study study = parse_study(one_method(), "s.toml", {}, site);
   EXPECT_EQ(study.cluster.account, "lab");
   EXPECT_EQ(study.cluster.partition, "short");
-  EXPECT_TRUE(says(message_of<InputError>([&] {
-                     parse_study(text, "s.toml",
-                                 {"cluster.time=\"1 hour\"", "cluster.partition='a b'",
-                                  "cluster.scratch='/tmp/\"x'"});
-                   }),
-                   {"--set cluster.partition='a b': cluster.partition = 'a b'",
-                    "must be one word of printable characters without quotes",
-                    "\n--set cluster.time=\"1 hour\": cluster.time = '1 hour'",
-                    "must be a time such as 90 (minutes), 01:30:00 or 1-12:00 (days-hours:minutes)",
-                    "\n--set cluster.scratch='/tmp/\"x': cluster.scratch = '/tmp/\"x'",
-                    "must be one word of printable characters without quotes"}));
 }
 
-TEST(ClusterTable, ATimeLimitIsLongerThanTheWarningBeforeIt) {
-  EXPECT_TRUE(says(
-      message_of<InputError>([] { parse_study(one_method(), "s.toml", {"cluster.time=\"2\""}); }),
-      {"--set cluster.time=\"2\": cluster.time = '2'",
-       "must be longer than cluster.signal_seconds = 120"}));
-  EXPECT_EQ(seconds_of("90"), 5400.0);
-  EXPECT_EQ(seconds_of("01:30"), 90.0);
-  EXPECT_EQ(seconds_of("01:00:05"), 3605.0);
-  EXPECT_EQ(seconds_of("1-12"), 129600.0);
-  EXPECT_EQ(seconds_of("1-00:01"), 86460.0);
+TEST(ClusterTable, TimesAreReadAsSlurmReadsThem) {
+  for (const auto& [text, seconds] : {std::pair{"90", 5400.0},
+                                      {"01:30", 90.0},
+                                      {"01:00:05", 3605.0},
+                                      {"1-12", 129600.0},
+                                      {"1-00:01", 86460.0}}) {
+    EXPECT_EQ(seconds_of(text), seconds) << text;
+  }
 }
 
 TEST(ClusterTable, OptionsAskForResourcesAlone) {
   const auto parse = [](const std::string& option) {
     parse_study(one_method(), "s.toml", {"cluster.sbatch=[\"" + option + "\"]"});
   };
-  for (const char* option : {"--dependency=afterok:1",
-                             "--comment=x",
-                             "--comm=x",
-                             "-a 1-3",
-                             "-d1",
-                             "--output=x",
-                             "--out=x",
-                             "-o/etc/x",
-                             "-Ho/etc/x",
-                             "--wrap=x",
-                             "--export=x",
-                             "--qos=long --output=x",
-                             "-C big -ox",
-                             "qos=long",
-                             "--",
-                             "-",
-                             "--qos long",
-                             "-C big",
-                             "-C=big",
-                             "--clusters=big",
-                             "-Mbig"}) {
+  const std::string bad =
+      "--dependency=afterok:1;--comment=x;--comm=x;-a 1-3;-d1;--output=x;--out=x;-o/etc/x;"
+      "-Ho/etc/x;--wrap=x;--export=x;--qos=long --output=x;-C big -ox;qos=long;--;-;--qos long;"
+      "-C big;-C=big;--clusters=big;-Mbig";
+  for (const std::string& option : split(bad, ';')) {
     EXPECT_THROW(parse(option), InputError) << option;
   }
   for (const char* option : {"--qos=long", "--hold", "-H", "--exclusive", "--constraint=[a|b]",
                              "-Cbig", "--gres=gpu:1"}) {
     EXPECT_NO_THROW(parse(option)) << option;
-  }
-}
-
-TEST(ClusterTable, ChangesNoKey) {
-  TempFolder folder;
-  const WorkFolder work(folder / "runs");
-  const Plan one = make_plan(parse_study(one_method(), "s.toml"), work);
-  const Plan other = make_plan(parse_study(one_method(), "s.toml", {"cluster.time=\"5\""}), work);
-  for (std::size_t i = 0; i < one.nodes.size(); ++i) {
-    EXPECT_EQ(one.nodes[i].key, other.nodes[i].key);
   }
 }
 

@@ -31,7 +31,7 @@ class CsvImport : public FolderTest {
   }
 };
 
-const RowMatrix kStates = {{0.1, 1}, {0.2, 2}, {0.3, 3}}, kActions = {{5}, {6}};
+const RowMatrix kStates{{0.1, 1}, {0.2, 2}, {0.3, 3}}, kActions{{5}, {6}};
 
 TEST_F(CsvImport, ReadsStatesAndActionsInTheSimulatorsOrder) {
   const Target target = imported(kCsv);

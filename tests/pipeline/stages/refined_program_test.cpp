@@ -56,7 +56,7 @@ TEST_F(RefinedPrograms, StopAtTooManyFailures) {
 
 // Between two calls a checkpoint can be written.
 TEST_F(RefinedPrograms, AreCalledWithAShardAtMost) {
-  run_until(plan_of("1"), Stage::infer);
+  run_until(plan_of("1"), Stage::evaluate);
   std::istringstream calls(text_of(folder_ / "calls"));
   Index most = 0;
   for (Index rows = 0; calls >> rows;) most = std::max(most, rows);
