@@ -65,6 +65,7 @@ TEST(Floor, FindsTheGlobalMinimumAmongManyLocalOnes) {
   EXPECT_NEAR(result.value, 0.0, 1e-9);
   for (const double t : result.theta) EXPECT_NEAR(t, 1.3, 1e-5);
   EXPECT_LT(result.restart_values.maxCoeff(), 1e-9);
+  EXPECT_NEAR(find_in_cube(rowwise(rastrigin), 1, 5.12).theta(0), 1.3, 1e-6);
 }
 
 TEST(Floor, FindsTheFunnelOfAckleysFunction) {
@@ -77,10 +78,6 @@ TEST(Floor, FollowsABentValley) {
   FloorConfig config;
   config.max_generations = 400;
   EXPECT_NEAR(find_in_cube(rowwise(rosenbrock), 6, 2.0, config).value, 0.0, 1e-8);
-}
-
-TEST(Floor, WorksInOneDimension) {
-  EXPECT_NEAR(find_in_cube(rowwise(rastrigin), 1, 5.12).theta(0), 1.3, 1e-6);
 }
 
 // Ranges as different as those of the Furuta pendulum, a valley that couples neighbors, and the
@@ -175,13 +172,17 @@ TEST(Floor, PassesOnWhatTheObjectiveThrows) {
 TEST(Floor, RejectsBadBoxesStartsAndConfigs) {
   const auto objective = rowwise(rastrigin);
   const Vector zero = Vector::Zero(2), one = Vector::Ones(2);
-  EXPECT_THROW(find_floor(objective, zero, Vector::Ones(3), RowMatrix()), ShapeError);
-  EXPECT_THROW(find_floor(objective, Vector(), Vector(), RowMatrix()), ShapeError);
-  EXPECT_THROW(find_floor(objective, one, zero, RowMatrix()), InputError);
-  EXPECT_THROW(find_floor(objective, zero, Vector::Constant(2, kNaN), RowMatrix()), InputError);
-  EXPECT_THROW(find_floor(objective, zero, one, RowMatrix::Zero(1, 3)), ShapeError);
-  EXPECT_THROW(find_floor(objective, zero, one, RowMatrix::Constant(1, 2, 1.5)), InputError);
-  EXPECT_THROW(find_floor(objective, zero, one, RowMatrix::Constant(1, 2, kNaN)), InputError);
+  const auto find = [&](const Vector& lower, const Vector& upper, const RowMatrix& start = {}) {
+    find_floor(objective, lower, upper, start);
+  };
+  EXPECT_THROW(find(zero, Vector::Ones(3)), ShapeError);
+  EXPECT_THROW(find(Vector(), Vector()), ShapeError);
+  EXPECT_THROW(find(one, zero), InputError);
+  EXPECT_THROW(find(zero, Vector::Constant(2, kNaN)), InputError);
+  EXPECT_THROW(find(zero, one, RowMatrix::Zero(1, 3)), ShapeError);
+  for (const double start : {1.5, kNaN}) {
+    EXPECT_THROW(find(zero, one, RowMatrix::Constant(1, 2, start)), InputError);
+  }
   for (const auto& spoil : std::vector<void (*)(FloorConfig&)>{
            [](FloorConfig& c) { c.num_restarts = 0; }, [](FloorConfig& c) { c.population = 3; },
            [](FloorConfig& c) { c.max_generations = -1; },

@@ -1,7 +1,7 @@
 #include "analysis/predictive_scores.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
+#include <tuple>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/normal.h"
 #include "core/random.h"
+#include "tests/analysis/any_threads.h"
 #include "tests/message_of.h"
 
 namespace npdr::analysis {
@@ -49,8 +50,7 @@ TEST(Crps, EqualsTheSumOverAllPairs) {
 }
 
 TEST(Crps, OfOneValueIsItsAbsoluteError) {
-  const std::vector<double> values = {2.0};
-  EXPECT_EQ(crps_of_sorted(values, 5.0), 3.0);
+  EXPECT_EQ(crps_of_sorted(std::vector<double>{2.0}, 5.0), 3.0);
   EXPECT_TRUE(std::isnan(crps_of_sorted({}, 5.0)));
 }
 
@@ -214,17 +214,10 @@ TEST(PredictiveScores, SameBitsForAnyThreadCount) {
   const TrajectoryView view = {values, 50, 2, 30, 3};
   const std::vector<RowMatrix> observed = constant(2, 30, 3, 0.7);
   const RowMatrix scale = RowMatrix::Constant(2, 3, 0.3);
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
-  const PredictiveScores one = predictive_scores(view, observed, scale);
-  const Vector one_log_score = log_score(view, observed, gaussian(scale));
-  omp_set_num_threads(4);
-  const PredictiveScores four = predictive_scores(view, observed, scale);
-  const Vector four_log_score = log_score(view, observed, gaussian(scale));
-  omp_set_num_threads(threads);
-  EXPECT_EQ(one.crps, four.crps);
-  EXPECT_EQ(one.coverage, four.coverage);
-  EXPECT_EQ(one_log_score, four_log_score);
+  expect_same_on_any_threads([&] {
+    const PredictiveScores scores = predictive_scores(view, observed, scale);
+    return std::tuple{scores.crps, scores.coverage, log_score(view, observed, gaussian(scale))};
+  });
 }
 
 // White noise, of which the observation is one more draw: none of 100 samples is covered as seldom
@@ -262,43 +255,34 @@ TEST(PredictiveScores, SamplesThatFailedArentCompared) {
       compare_coverage({{&kFloatNaN, 1}, 1, 1, 1, 1}, constant(1, 1, 1, 0.0), 0.5).num_samples, 0);
 }
 
-// Scores for 6 values as (n, H, T, C) = (1, 1, 3, 2).
-void score(const std::vector<RowMatrix>& observed, const RowMatrix& amplitude, double level = 0.5) {
-  const std::vector<float> values(6);
-  predictive_scores({values, 1, 1, 3, 2}, observed, amplitude, {level});
-}
-
-TEST(PredictiveScores, RejectWrongShapes) {
+TEST(PredictiveScores, RejectWhatCannotBeScored) {
+  const std::vector<float> values(6), seven(7);
   const RowMatrix ones = RowMatrix::Ones(1, 2);
-  const auto problem = [](const auto&... arguments) {
-    return message_of<ShapeError>([&] { score(arguments...); });
-  };
-  EXPECT_EQ(problem(constant(2, 3, 2, 0.0), ones),
-            "predictive scores: 2 observed rollouts, must be 1");
-  EXPECT_EQ(problem(constant(1, 2, 2, 0.0), ones),
-            "predictive scores: observed rollout 0 has shape (2, 2), must be (3, 2)");
-  EXPECT_EQ(problem(constant(1, 3, 2, 0.0), RowMatrix::Ones(2, 2)),
-            "predictive scores: amplitude has shape (2, 2), must be (1, 2)");
-  const std::vector<float> values(7);
   const std::vector<RowMatrix> observed = constant(1, 3, 2, 0.0);
-  EXPECT_THROW(predictive_scores({values, 1, 1, 3, 2}, observed, ones), ShapeError);
-  EXPECT_THROW(log_score({values, 1, 1, 3, 2}, observed, gaussian(ones)), ShapeError);
-}
-
-TEST(PredictiveScores, RejectValuesThatCannotBeScored) {
-  const std::vector<RowMatrix> observed = constant(1, 3, 2, 0.0);
-  const RowMatrix ones = RowMatrix::Ones(1, 2);
-  const auto problem = [](const auto&... arguments) {
-    return message_of<InputError>([&] { score(arguments...); });
+  // For 6 values as (n, H, T, C) = (1, 1, 3, 2).
+  const auto score = [&](const std::vector<RowMatrix>& y, const RowMatrix& amplitude,
+                         double level = 0.5) {
+    return [&values, y, amplitude, level] {
+      predictive_scores({values, 1, 1, 3, 2}, y, amplitude, {level});
+    };
   };
-  EXPECT_TRUE(says(problem(constant(1, 3, 2, kNaN), ones),
-                   {"predictive scores: observed rollout 0", "isn't finite", "leave it out"}));
-  EXPECT_TRUE(says(problem(observed, RowMatrix{{1.0, 0.0}}),
-                   {"predictive scores: amplitude of channel 1 in rollout 0 = 0",
-                    "must be finite and > 0", "give 1"}));
-  EXPECT_EQ(problem(observed, ones, 1.0),
-            "predictive scores: level of a band = 1, must be in (0, 1)");
-  EXPECT_EQ(problem(observed, ones), "");
+  const auto expect = [](const std::string& message, const std::string& said) {
+    EXPECT_TRUE(says(message, {"predictive scores: " + said}));
+  };
+  EXPECT_NO_THROW(score(observed, ones)());
+  expect(message_of<ShapeError>(score(constant(2, 3, 2, 0.0), ones)),
+         "2 observed rollouts, must be 1");
+  expect(message_of<ShapeError>(score(constant(1, 2, 2, 0.0), ones)),
+         "observed rollout 0 has shape (2, 2), must be (3, 2)");
+  expect(message_of<ShapeError>(score(observed, RowMatrix::Ones(2, 2))),
+         "amplitude has shape (2, 2), must be (1, 2)");
+  expect(message_of<InputError>(score(constant(1, 3, 2, kNaN), ones)), "observed rollout 0");
+  expect(message_of<InputError>(score(observed, RowMatrix{{1.0, 0.0}})),
+         "amplitude of channel 1 in rollout 0 = 0, must be finite and > 0");
+  expect(message_of<InputError>(score(observed, ones, 1.0)),
+         "level of a band = 1, must be in (0, 1)");
+  EXPECT_THROW(predictive_scores({seven, 1, 1, 3, 2}, observed, ones), ShapeError);
+  EXPECT_THROW(log_score({seven, 1, 1, 3, 2}, observed, gaussian(ones)), ShapeError);
 }
 
 }  // namespace

@@ -7,10 +7,6 @@
 namespace npdr::analysis {
 namespace {
 
-TEST(Svg, HasNoEndOfRawText) {
-  EXPECT_EQ(tidy_svg("<text>a]]>b</text>\n"), "<text>a]]&gt;b</text>\n");
-}
-
 TEST(Svg, TidyingGathersRunsOfEqualCircles) {
   EXPECT_EQ(tidy_svg("<g>\n"
                      "\t<use xlink:href='#gpPt6' transform='translate(1.5,2) scale(0.7)' "
@@ -46,10 +42,11 @@ TEST(Svg, TidyingEndsAnOpenGroupAtTheEnd) {
       "<g fill='red' fill-opacity='1' stroke='none'>\n<circle cx='1' cy='2' r='3'/>\n</g>\n");
 }
 
-TEST(Svg, TidyingRemovesTitlesAndDescriptions) {
+TEST(Svg, TidyingRemovesTitlesDescriptionsAndEndsOfRawText) {
   EXPECT_EQ(
       tidy_svg("<svg>\n<title>Gnuplot</title>\n<desc>made\nby</desc><title>2</title></svg>\n"),
       "<svg>\n\n</svg>\n");
+  EXPECT_EQ(tidy_svg("<text>a]]>b</text>\n"), "<text>a]]&gt;b</text>\n");
 }
 
 TEST(Svg, InliningMakesIdsTheFiguresOwn) {

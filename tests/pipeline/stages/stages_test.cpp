@@ -20,21 +20,6 @@
 namespace npdr::pipeline {
 namespace {
 
-TEST(Stages, AMissingInputNamesTheProgramThatMakesIt) {
-  const TempFolder folder;
-  const Plan plan =
-      make_plan(parse_study(kStudyText, "s.toml", {"study.seeds=[1]"}), WorkFolder(folder.path()));
-  const auto message = [&](const Node& node) {
-    return message_of<InputError>([&] { require_inputs(plan, node); });
-  };
-  EXPECT_TRUE(says(message(plan.node(Stage::baseline, {})),
-                   {"baseline needs 'target', which isn't there",
-                    "run npdr-propose on this study first, or npdr run"}));
-  EXPECT_TRUE(says(message(plan.node(Stage::report, {})),
-                   {"report needs 'baseline', which isn't there",
-                    "run npdr-evaluate on this study first, or npdr run"}));
-}
-
 // Two methods that differ in their names alone.
 std::string twins() {
   const StudyText::Lines lines = {"num_simulations = 30", "embedding = { kind = \"bayessim\" }",

@@ -1,6 +1,9 @@
-#include "pipeline/process/fitted_text.h"
-
+// Texts that fit a terminal.
 #include <gtest/gtest.h>
+
+#include "pipeline/process/fitted_text.h"
+#include "pipeline/process/live_lines.h"
+#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -63,6 +66,25 @@ TEST(FittedTables, WrapProseButNotWhatPeopleCopy) {
   const std::string text = "Fit of samples to\n\n    npdr run a_long_name.toml\n";
   EXPECT_EQ(fitted_tables(text, 10, "t.md"),
             "Fit of\nsamples to\n\n    npdr run a_long_name.toml\n");
+}
+
+TEST(LiveLines, ABarIsAsFullAsTheWorkIsDone) {
+  EXPECT_EQ(bar(0.0, 12), "[..........]");
+  EXPECT_EQ(bar(0.55, 12), "[#####.....]");
+  EXPECT_EQ(bar(1.0, 12), "[##########]");
+  EXPECT_EQ(bar(7.0, 4), "[##]");
+}
+
+TEST(Progress, TextHoldsCountsTimeAndRate) {
+  EXPECT_EQ(progress_text(400, 1000, 4.0), "400/1000 [00:04<00:06, 100/s]");
+  EXPECT_EQ(progress_text(900, 1000, 4.0, 500), "900/1000 [00:04<00:01, 100/s]");
+  EXPECT_EQ(progress_text(0, 1000, 0.0), "0/1000 [00:00<?, 0/s]");
+  EXPECT_EQ(progress_text(30, 0, 60.0), "30 [01:00, 0.5/s]");
+}
+
+TEST(Progress, ClockShowsHoursOnlyWhenThereAreSome) {
+  EXPECT_EQ(clock_text(205.9), "03:25");
+  EXPECT_EQ(clock_text(3723.0), "1:02:03");
 }
 
 }  // namespace

@@ -1,5 +1,3 @@
-#include "pipeline/artefacts/refinement_file.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -7,11 +5,63 @@
 #include <vector>
 
 #include "core/error.h"
+#include "pipeline/artefacts/diagnosis_checkpoint.h"
+#include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
+
+using inference::CalibrationRanks;
+
+class DiagnosisCheckpoints : public FolderTest {
+ protected:
+  // Three of five simulations are ranked.
+  static CalibrationRanks three_ranks() {
+    CalibrationRanks ranks{.num_samples = 50, .num_done = 3};
+    ranks.parameter = RowMatrixX<std::int64_t>::Constant(5, 2, 7);
+    ranks.density = VectorX<std::int64_t>::Constant(5, 50);
+    ranks.distance = VectorX<std::int64_t>::Constant(5, 0);
+    ranks.theta = RowMatrix::Constant(5, 2, 0.5);
+    ranks.log_prob = Vector::Constant(5, 1.25);
+    return ranks;
+  }
+  CalibrationRanks written_and_read(const CalibrationRanks& ranks, Index num_simulations = 5,
+                                    Index dimension = 2) {
+    const std::filesystem::path path = folder_ / "a.checkpoint.h5";
+    kDiagnosisCheckpointSchema.write(path, identity_, {ranks, {}});
+    const RowMatrix theta = RowMatrix::Zero(num_simulations, dimension);
+    return read_diagnosis_checkpoint({path, identity_.key()}, theta, 50).ranks;
+  }
+
+  Identity identity_{.key_document = {{"stage", "diagnose"}}, .inputs = {}, .study = {}};
+};
+
+TEST_F(DiagnosisCheckpoints, HoldWhatIsDone) {
+  const CalibrationRanks read = written_and_read(three_ranks());
+  EXPECT_EQ(read.num_samples, 50);
+  EXPECT_EQ(read.num_done, 3);
+  EXPECT_EQ(read.parameter, three_ranks().parameter.topRows(3));
+  EXPECT_EQ(read.density, three_ranks().density.head(3));
+  EXPECT_EQ(read.distance, three_ranks().distance.head(3));
+  EXPECT_EQ(read.theta, three_ranks().theta.topRows(3));
+  EXPECT_EQ(read.log_prob, three_ranks().log_prob.head(3));
+}
+
+TEST_F(DiagnosisCheckpoints, AreRejectedWhereTheyDontFit) {
+  EXPECT_THROW(written_and_read(three_ranks(), 2), InputError) << "more than there are";
+  EXPECT_THROW(written_and_read(three_ranks(), 5, 3), InputError) << "parameters";
+  CalibrationRanks others = three_ranks();
+  others.num_samples = 60;
+  EXPECT_THROW(written_and_read(others), InputError);
+  CalibrationRanks damaged = three_ranks();
+  damaged.density(1) = 51;
+  EXPECT_THROW(written_and_read(damaged), InputError) << "more than there are samples";
+  damaged = three_ranks();
+  damaged.parameter(2, 1) = -1;
+  EXPECT_THROW(written_and_read(damaged), InputError);
+}
 
 using inference::ImportanceSampler;
 

@@ -1,11 +1,49 @@
-#include "pipeline/features/usual_features.h"
-
 #include <gtest/gtest.h>
 
 #include "core/constants.h"
+#include "pipeline/features/row_store.h"
+#include "pipeline/features/series_summary.h"
+#include "pipeline/features/usual_features.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
+
+// Few rows stay in memory, many go to a file: both must give back what was written.
+TEST(RowStore, GivesBackWhatWasWrittenInMemoryAndInAFile) {
+  const TempFolder folder;
+  for (const Index width : {Index{4}, Index{2} << 20}) {  // 320 B, and 640 MiB that aren't filled
+    RowStore store(80, width, folder.path());
+    std::vector<float> row(static_cast<std::size_t>(width));
+    for (const Index i : {Index{79}, Index{0}, Index{41}}) {
+      row.front() = static_cast<float>(i);
+      row.back() = static_cast<float>(-i);
+      store.write(i, row);
+    }
+    for (const Index i : {Index{0}, Index{41}, Index{79}}) {
+      store.read(i, row);
+      EXPECT_EQ(row.front(), static_cast<float>(i));
+      EXPECT_EQ(row.back(), static_cast<float>(-i));
+    }
+  }
+  EXPECT_EQ(folder.size(), 0);  // the file has no name
+}
+
+// One rollout of two states of two picked channels out of three.
+inference::SeriesSelection selection() { return {1, 2, 3, 1, {0, 2}}; }
+
+TEST(SeriesSummary, HoldsFiveNumbersOfEachChannel) {
+  const std::vector<float> picked = {1.0f, -4.0f, 3.0f, -6.0f};
+  EXPECT_EQ(summarize(picked, selection()),
+            (Vector{{2.0, 1.0, 1.0, 3.0, 3.0, -5.0, 1.0, -6.0, -4.0, -6.0}}));
+}
+
+TEST(SeriesSummary, NamesThePickedChannels) {
+  const auto names = summary_names(selection(), {{"x", "m"}, {"y", "m"}, {"z", "m"}});
+  ASSERT_EQ(names.size(), 10u);
+  EXPECT_EQ(names.front(), "rollout 1, x: mean");
+  EXPECT_EQ(names.back(), "rollout 1, z: last");
+}
 
 // Rows (n, 2) of which the last `num_lost` have overflowed.
 class Rows : public inference::FeatureSource {
