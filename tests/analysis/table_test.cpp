@@ -1,7 +1,6 @@
 #include "analysis/table.h"
 
 #include <gtest/gtest.h>
-#include <utility>
 
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
@@ -150,13 +149,10 @@ TEST(Table, IsWrittenInEveryFormatAndRemovedAgain) {
   EXPECT_TRUE(std::filesystem::is_empty(folder / "tables"));
 }
 
-TEST(Table, KeepsAFootnoteOnceAndItsMarksGoOnAfterZ) {
+TEST(Table, KeepsAFootnoteOnce) {
   Table table;
   for (const char* text : {"one", "two", "one"}) table.add_footnote(text);
   EXPECT_EQ(table.footnotes, (std::vector<std::string>{"one", "two"}));
-  for (const auto& [number, mark] : {std::pair{0, "a"}, {25, "z"}, {26, "aa"}, {27, "ab"}}) {
-    EXPECT_EQ(footnote_mark(static_cast<std::size_t>(number)), mark);
-  }
 }
 
 TEST(Table, RejectsRaggedRowsLooseNotesAndNamesThatAreNoFileNames) {

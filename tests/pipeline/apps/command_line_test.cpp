@@ -23,11 +23,6 @@ TEST(CommandLine, BadRangesAreRejected) {
   }
 }
 
-TEST(CommandLine, WordsAreQuotedWhereAShellNeedsIt) {
-  EXPECT_EQ(shell_text({"npdr", "run", "a.toml", "--set", "x=1"}), "npdr run a.toml --set x=1");
-  EXPECT_EQ(shell_text({"it's", "a b", "$HOME", ""}), "'it'\\''s' 'a b' '$HOME' ''");
-}
-
 TEST(CommandLine, WordsNameTheSameStudyAgain) {
   StudyArguments arguments;
   arguments.file = "a.toml";

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <optional>
-#include <utility>
 
 #include "core/error.h"
 #include "core/text.h"
@@ -81,16 +80,6 @@ TEST(ClusterTable, TakesASitesKeysForDefaults) {
   const Study study = parse_study(one_method(), "s.toml", {}, site);
   EXPECT_EQ(study.cluster.account, "lab");
   EXPECT_EQ(study.cluster.partition, "short");
-}
-
-TEST(ClusterTable, TimesAreReadAsSlurmReadsThem) {
-  for (const auto& [text, seconds] : {std::pair{"90", 5400.0},
-                                      {"01:30", 90.0},
-                                      {"01:00:05", 3605.0},
-                                      {"1-12", 129600.0},
-                                      {"1-00:01", 86460.0}}) {
-    EXPECT_EQ(seconds_of(text), seconds) << text;
-  }
 }
 
 TEST(ClusterTable, OptionsAskForResourcesAlone) {

@@ -44,7 +44,8 @@ class JobsOfStudy : public FolderTest {
   static std::size_t maker_of(const std::vector<Job>& jobs, std::size_t node,
                               std::optional<bool> is_array = {}) {
     const auto makes = [&](const Job& job) {
-      return std::ranges::count(job.nodes, node) > 0 && job.is_array() == is_array.value_or(job.is_array());
+      return std::ranges::count(job.nodes, node) > 0 &&
+             job.is_array() == is_array.value_or(job.is_array());
     };
     const auto found = std::ranges::find_if(jobs, makes);
     EXPECT_NE(found, jobs.end()) << "no job makes " << node;
@@ -346,11 +347,6 @@ TEST(QueuedTasks, OfAnArrayThatWaitsStandInOneLine) {
   }
   EXPECT_TRUE(parse_indices("1-").empty());
   EXPECT_TRUE(parse_indices("5-9:0").empty());
-}
-
-TEST(IndexRanges, AreShort) {
-  EXPECT_EQ(index_ranges({0, 2, 3, 4, 9}), "0,2-4,9");
-  EXPECT_EQ(index_ranges({5}), "5");
 }
 
 }  // namespace

@@ -69,7 +69,8 @@ TEST(StudyReader, KeepsThePriorInTheOrderOfTheFileWithTheUnitsOfTheSimulator) {
   const std::string damped = "{ uniform = [0, 1] }";
   expect_prior({"prior.gravity={normal=[9.81, 0.1]}"}, {mass, length, gravity});
   expect_prior({"prior.pole_mass={uniform=[0.5, 0.6]}"}, {half, length});
-  expect_prior({"prior={ pole_mass = { uniform = [0.5, 0.6] }, damping = " + damped + " }"}, {half, damping});
+  expect_prior({"prior={ pole_mass = { uniform = [0.5, 0.6] }, damping = " + damped + " }"},
+               {half, damping});
   expect_prior({"prior.gravity={ normal = [9.81, 0.1] }", "prior.damping=" + damped},
                {mass, length, gravity, damping});
 }
@@ -87,12 +88,6 @@ TEST(StudyReader, KnowsWhereKeysStand) {
   EXPECT_EQ(study.places.of("method[1].embedding.downsample").str(), "s.toml:19:1")
       << "left out: its table";
   EXPECT_EQ(study.places.of("simulate.shard_size").str(), "--set simulate.shard_size=7");
-}
-
-TEST(Study, NamesBecomeFolders) {
-  EXPECT_EQ(folder_slug("NPDR (MAF)"), "npdr-maf");
-  EXPECT_EQ(folder_slug("H = 10"), "h-10");
-  EXPECT_EQ(folder_slug("../.."), "unnamed");
 }
 
 TEST(StudyReader, TakesARecordingRelativeToItsPlace) {

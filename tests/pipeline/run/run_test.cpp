@@ -78,11 +78,6 @@ TEST(RunDisplay, NamesOneJobWhereThereIsNoRoom) {
   EXPECT_EQ(live_lines(kRun, {80, 2}).size(), 1u);
 }
 
-TEST(RunDisplay, SaysForHowLongAJobHasSaidNothing) {
-  EXPECT_EQ(silence_text(59.0), "");
-  EXPECT_EQ(silence_text(135.0), ", nothing new for 02:15");
-}
-
 TEST(RunDisplay, SaysNothingOfTheRestBeforeAnythingIsKnown) {
   RunProgress run = kRun;
   run.share = run.seconds_left = std::nullopt;

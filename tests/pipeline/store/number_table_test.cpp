@@ -3,7 +3,6 @@
 #include <cmath>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -30,24 +29,6 @@ TEST(CsvFormats, AreACommaASemicolonABarOrATabulator) {
     EXPECT_THROW(parse_csv_format(other, false), InputError) << other;
   }
   EXPECT_THROW(parse_csv_format(",", true), InputError);
-}
-
-TEST(CsvFormats, AreRecognizedByTheirLines) {
-  const CsvFormat commas, semicolons = {';', false}, european = {';', true};
-  const std::vector<std::tuple<std::string, CsvFormat, std::string>> cases = {
-      {"1,5;2,5", commas,
-       "; its columns look separated by ';', its decimals look written with a comma: add "
-       "--delimiter ';' --decimal-comma"},
-      {"a [m]\tb [m]\n1.5\t2.5", commas,
-       "; its columns look separated by tabs: add --delimiter tab"},
-      {"1,5;2", semicolons, "; its decimals look written with a comma: add --decimal-comma"},
-      {"1.5,2", semicolons, "; its columns look separated by commas: leave out --delimiter"},
-      {"1.5;2", european, "; its decimals look written with a point: leave out --decimal-comma"},
-      {"1,5", commas, ""},
-      {"1.5,two", commas, ""},
-      {"1.5;two", semicolons, ""},
-      {"1,5;two", european, ""}};
-  for (const auto& [line, format, hint] : cases) EXPECT_EQ(format_hint(line, format), hint);
 }
 
 class NumberTables : public FolderTest {

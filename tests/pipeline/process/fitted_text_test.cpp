@@ -1,0 +1,42 @@
+// Tables that fit a terminal; other texts are in tests/golden/text.txt.
+#include <gtest/gtest.h>
+
+#include "pipeline/process/fitted_text.h"
+
+namespace npdr::pipeline {
+namespace {
+
+const std::string kText =
+    "Fit.\n\n"
+    "| Metric | NPE \\| a |     prior |\n"
+    "|:-------|---------:|----------:|\n"
+    "| RMSE   |  1 ± 0.1 | 5.8 ± 1.1 |\n"
+    "\nMade by:\n";
+
+TEST(FittedTables, LeaveOutTheColumnsThatATerminalHasNoRoomFor) {
+  EXPECT_EQ(fitted_tables(kText, 33, "t.md"), kText);
+  const std::string cut =
+      "Fit.\n\n"
+      "| Metric | NPE \\| a |\n"
+      "|:-------|---------:|\n"
+      "| RMSE   |  1 ± 0.1 |\n"
+      "(1 more column in t.md)\n"
+      "\nMade by:\n";
+  EXPECT_EQ(fitted_tables(kText, 32, "t.md"), cut);
+  EXPECT_EQ(fitted_tables(kText, 21, "t.md"), cut);
+}
+
+TEST(FittedTables, KeepTheFirstColumn) {
+  const std::string text = fitted_tables(kText, 5, "t.md");
+  EXPECT_NE(text.find("\n| Metric |\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("(2 more columns in t.md)"), std::string::npos) << text;
+}
+
+TEST(FittedTables, WrapProseButNotWhatPeopleCopy) {
+  const std::string text = "Fit of samples to\n\n    npdr run a_long_name.toml\n";
+  EXPECT_EQ(fitted_tables(text, 10, "t.md"),
+            "Fit of\nsamples to\n\n    npdr run a_long_name.toml\n");
+}
+
+}  // namespace
+}  // namespace npdr::pipeline
