@@ -1,7 +1,6 @@
 #include "analysis/dtw.h"
 
 #include <gtest/gtest.h>
-#include <utility>
 
 #include <cmath>
 
@@ -70,29 +69,6 @@ void expect_same_bits(const DtwResult& a, const DtwResult& b) {
   EXPECT_EQ(a.distance, b.distance);
   EXPECT_EQ(a.normalized_distance, b.normalized_distance);
   EXPECT_EQ(a.end, b.end);
-}
-
-// Recorded 0 1 2 (down), simulated 0 2 2 5 (right):
-//        d              D
-//   0 2 2 5        0 2 4 9      D(1, 1): 2 from the left or the diagonal
-//   1 1 1 4        1 2 3 7      D(1, 2) = D(1, 1) + 1 = 3
-//   2 0 0 3        3 1 1 4      D(2, 1) = D(1, 0) + 0 = 1
-// Last row over n + m': 3/4, 1/5, 1/6, 4/7: the smallest is the third.
-// In exchanged roles D is the transpose, its last row 9 7 4: over 5, 6, 7 the last is the smallest.
-// d((0, 0), (3, 4)) = 5 and d((3, 4), (3, 4)) = 0: the first cell costs its distance once.
-TEST(Dtw, MatchesCasesWorkedByHand) {
-  const RowMatrix x = column({0, 1, 2}), y = column({0, 2, 2, 5});
-  const RowMatrix plane{{0, 0}, {3, 4}};
-  const std::vector<std::pair<DtwResult, DtwResult>> cases = {
-      {dtw(x, y), {1.0, 1.0 / 6.0, 3}},
-      {dtw(x, y, DtwEnd::closed), {4.0, 4.0 / 7.0, 4}},
-      {dtw(y, x), {4.0, 4.0 / 7.0, 3}},
-      {dtw(plane, plane.bottomRows(1)), {5.0, 5.0 / 3.0, 1}}};
-  for (const auto& [found, expected] : cases) {
-    EXPECT_DOUBLE_EQ(found.distance, expected.distance);
-    EXPECT_DOUBLE_EQ(found.normalized_distance, expected.normalized_distance);
-    EXPECT_EQ(found.end, expected.end);
-  }
 }
 
 // One recorded state 1, simulated 2 2: D = 1 2, over n + m' = 2, 3 it is 1/2 and 2/3.

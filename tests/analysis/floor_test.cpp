@@ -1,11 +1,13 @@
-#include "analysis/floor.h"
-
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
+#include "analysis/differential_evolution.h"
+#include "analysis/floor.h"
 #include "core/constants.h"
 #include "core/error.h"
 
@@ -33,18 +35,6 @@ double rastrigin(const Vector& theta) {
   return sum;
 }
 
-// Ackley (1987), moved: a nearly flat, rippled plane around a funnel with its minimum 0 at -7.
-double ackley(const Vector& theta) {
-  double squares = 0.0, cosines = 0.0;
-  for (const double t : theta) {
-    squares += (t + 7.0) * (t + 7.0);
-    cosines += std::cos(kTwoPi * (t + 7.0));
-  }
-  const auto n = static_cast<double>(theta.size());
-  return 20.0 - 20.0 * std::exp(-0.2 * std::sqrt(squares / n)) + std::numbers::e -
-         std::exp(cosines / n);
-}
-
 // Rosenbrock (1960): a bent valley, minimum 0 at 1.
 double rosenbrock(const Vector& theta) {
   double sum = 0.0;
@@ -66,12 +56,6 @@ TEST(Floor, FindsTheGlobalMinimumAmongManyLocalOnes) {
   for (const double t : result.theta) EXPECT_NEAR(t, 1.3, 1e-5);
   EXPECT_LT(result.restart_values.maxCoeff(), 1e-9);
   EXPECT_NEAR(find_in_cube(rowwise(rastrigin), 1, 5.12).theta(0), 1.3, 1e-6);
-}
-
-TEST(Floor, FindsTheFunnelOfAckleysFunction) {
-  const FloorResult result = find_in_cube(rowwise(ackley), 10, 32.0);
-  EXPECT_NEAR(result.value, 0.0, 1e-4);  // a cusp: the value falls as slowly as the distance
-  for (const double t : result.theta) EXPECT_NEAR(t, -7.0, 1e-4);
 }
 
 TEST(Floor, FollowsABentValley) {
@@ -201,6 +185,61 @@ TEST(Floor, RejectsAnObjectiveThatIsFiniteNowhereOrMiscounts) {
   config.max_generations = 2;
   EXPECT_THROW(find_in_cube(rowwise([](const Vector&) { return kNaN; }), 2, 1.0, config), Error);
   EXPECT_THROW(find_in_cube([](const RowMatrix&) { return Vector::Zero(1); }, 2, 1.0), ShapeError);
+}
+
+Vector sphere(const RowMatrix& points) {
+  Vector values(points.rows());
+  for (Index i = 0; i < points.rows(); ++i)
+    values(i) = (points.row(i).array() - 0.4).square().sum();
+  return values;
+}
+
+TEST(DifferentialEvolution, FirstPopulationHasOnePointInEverySlice) {
+  DifferentialEvolutionConfig config;
+  config.population = 10;
+  config.max_generations = 0;
+  const auto result = differential_evolution(sphere, 3, RowMatrix(), config);
+  EXPECT_EQ(result.num_evaluations, 10);
+  for (Index d = 0; d < 3; ++d) {
+    std::vector<int> slices;
+    for (Index i = 0; i < 10; ++i) slices.push_back(static_cast<int>(10.0 * result.points(i, d)));
+    std::sort(slices.begin(), slices.end());
+    for (int k = 0; k < 10; ++k) EXPECT_EQ(slices[static_cast<std::size_t>(k)], k);
+  }
+}
+
+TEST(DifferentialEvolution, StaysInTheCubeAndReturnsTheBestFirst) {
+  DifferentialEvolutionConfig config;
+  config.population = 20;
+  config.max_generations = 15;
+  const BatchObjective objective = [](const RowMatrix& points) {
+    EXPECT_GE(points.minCoeff(), 0.0);
+    EXPECT_LE(points.maxCoeff(), 1.0);
+    return sphere(points);
+  };
+  const auto result = differential_evolution(objective, 4, RowMatrix(), config);
+  EXPECT_TRUE(std::is_sorted(result.values.begin(), result.values.end()));
+  EXPECT_EQ(sphere(result.points), result.values);
+}
+
+TEST(DifferentialEvolution, StopsWhenThePopulationAgrees) {
+  DifferentialEvolutionConfig config;
+  config.max_generations = 1000;
+  config.tolerance = 0.1;
+  const BatchObjective raised = [](const RowMatrix& points) -> Vector {
+    return sphere(points).array() + 1.0;
+  };
+  const auto result = differential_evolution(raised, 3, RowMatrix(), config);
+  EXPECT_LT(result.num_evaluations, 128 * 100);
+  EXPECT_LE(result.values(127) - result.values(0), 0.1 * result.values(0));
+}
+
+TEST(DifferentialEvolution, RestartsDrawOtherNumbers) {
+  DifferentialEvolutionConfig config;
+  config.max_generations = 1;
+  const auto first = differential_evolution(sphere, 2, RowMatrix(), config);
+  config.restart = 1;
+  EXPECT_NE(differential_evolution(sphere, 2, RowMatrix(), config).points, first.points);
 }
 
 }  // namespace

@@ -102,23 +102,6 @@ TEST(Metrics, FailedRolloutsHaveNoEnd) {
       std::isnan(metrics.goal(view_of(simulated, 1), {"", {0}, Vector::Zero(1), 1.0, 1.0})(0)));
 }
 
-// Rollout 1, normalized: recorded (0, 0), (1, 1/2), (-1/2, 1), simulated (0, 0), (1, 1/2), (1/2,
-// 0).
-//   accumulated cost of the last recorded state, open end, over n + m' for the three ends:
-//   sqrt(5) / 4 = 0.56, (sqrt(10)/2) / 5 = 0.32, (sqrt(1/2) + sqrt(2)) / 6 = 0.35
-// so the path ends at the second simulated state, at a cost of sqrt(10)/2.
-// Rollout 2: the path ends at the second simulated state as well, at cost 0.
-TEST(Metrics, DtwMatchesACaseWorkedByHand) {
-  EXPECT_NEAR(Metrics(small_target()).dtw(view_of(kSimulated, 1))(0), std::sqrt(10.0) / 4.0, 1e-15);
-}
-
-TEST(Metrics, OfThePerfectSimulationAreZero) {
-  const std::vector<float> simulated = {2, 4, -1, 8, 100, 100, 1, 1, 1, 1, 100, 100};
-  const Metrics metrics(small_target());
-  EXPECT_EQ(metrics.rmse(view_of(simulated, 1))(0), 0.0);
-  EXPECT_EQ(metrics.dtw(view_of(simulated, 1))(0), 0.0);
-}
-
 TEST(Metrics, AFailedSampleIsNanAndTheOthersAreNot) {
   std::vector<float> simulated(4 * 12, 1.0f);
   simulated[12 + 5] = kFloatNaN;

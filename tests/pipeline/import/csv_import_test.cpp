@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include <cmath>
-
 #include "core/error.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
@@ -120,54 +118,6 @@ TEST_F(CsvImport, ScalesColumns) {
   EXPECT_DOUBLE_EQ(target.dt, 1e-4);
   EXPECT_DOUBLE_EQ(target.rollouts[0].states(1, 0), 0.02);
   EXPECT_EQ(target.rollouts[0].actions(1, 0), -6.0);
-}
-
-// Positions of x^2 / 2, one a tenth of a second, without rates.
-std::string encoder_csv(int count) {
-  std::string text = "t [s],theta [rad],torque [N m]\n";
-  for (int i = 0; i < count; ++i) {
-    text += fmt::format("{:.1f},{:.6f},0\n", 0.1 * i, 0.005 * i * i);
-  }
-  return text;
-}
-
-TEST_F(CsvImport, ComputesRatesThatTheFileLacks) {
-  CsvOptions options = pendulum_options();
-  options.differentiate = 5;
-  const Target target = imported(encoder_csv(20), options);
-  EXPECT_EQ(target.state_channels, pendulum_options().channels.states);
-  for (Index t = 0; t < 20; ++t) {
-    EXPECT_NEAR(target.rollouts[0].states(t, 1), 0.1 * static_cast<double>(t), 1e-4) << t;
-  }
-  options.at_rest = true;
-  EXPECT_EQ(imported(encoder_csv(20), options).rollouts[0].states(0, 1), 0.0);
-  options.at_rest = false;
-  options.channels = {{{"theta", ""}, {"theta_dot", ""}}, {}};
-  EXPECT_EQ(imported(encoder_csv(20), options).state_channels, pendulum_options().channels.states)
-      << "the unit follows from the file's";
-}
-
-TEST_F(CsvImport, ResamplesClocksThatJitter) {
-  CsvOptions options = pendulum_options();
-  options.resample = 0.1;
-  const Target target = imported(edited(kCsv, "0.1,0.2,2", "0.12,0.22,2.2"), options);
-  EXPECT_EQ(target.dt, 0.1);
-  EXPECT_LT((target.rollouts[0].states - imported(kCsv).rollouts[0].states).norm(), 1e-12);
-  EXPECT_EQ(target.rollouts[0].actions, kActions);
-}
-
-// A pendulum that goes round, its angle as a device gives it.
-TEST_F(CsvImport, UnwrapsAngles) {
-  std::string text = "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n";
-  for (int i = 0; i < 200; ++i) {
-    text += fmt::format("{:.2f},{:.6f},10,0\n", 0.01 * i, std::remainder(0.1 * i, 2.0 * M_PI));
-  }
-  CsvOptions options = pendulum_options();
-  options.unwrap = {"theta"};
-  EXPECT_NEAR(imported(text, options).rollouts[0].states(199, 0), 19.9, 1e-5);
-  options = pendulum_options();
-  options.check_rates = false;
-  EXPECT_LT(imported(text, options).rollouts[0].states(199, 0), M_PI);
 }
 
 }  // namespace

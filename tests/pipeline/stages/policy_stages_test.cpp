@@ -102,26 +102,6 @@ TEST_F(PolicyStages, APolicyThatLeavesTheLimitsIsSwitchedOff) {
   expect_replays(p, collected);
 }
 
-TEST_F(PolicyStages, ASearchTellsHowItWent) {
-  const Plan p = plan();
-  const Node& node = p.node(Stage::policy, {"Randomized", 1, 0, 1});
-  run_stage(p, node);
-  const FoundPolicy found = kPolicySchema.read(node);
-  const PolicyHistory& history = found.history;
-  ASSERT_EQ(history.num_rows(), 3) << "before each of two iterations, and after the last";
-  EXPECT_EQ(history.candidate_return.rows(), 2);
-  EXPECT_EQ(history.candidate_return.cols(), 3);
-  EXPECT_EQ(history.num_rollouts, (2 * (3 + 1) + 1) * 2 * 2);
-  EXPECT_EQ(history.policies.row(2), found.policy.transpose());
-  const auto task = make_task(p.study);
-  // By way of its logarithm and back.
-  EXPECT_LT((history.policies.row(0).transpose() - first_policy(p.study, task->info())).norm(),
-            1e-12);
-  EXPECT_NE(history.policies.row(0), history.policies.row(2));
-  EXPECT_GT(history.mean_return.minCoeff(), 0.0);
-  EXPECT_LE(history.mean_return.maxCoeff(), 60.0);
-}
-
 TEST_F(PolicyStages, ATestIsWhatThePolicyDoesFromItsStates) {
   const Plan p = plan();
   const Node& node = p.node(Stage::policy_test, {"Point", 1, 0, 0});

@@ -169,27 +169,6 @@ TEST_F(RefineStage, AgreesWithAGridFromAnyStart) {
   }
 }
 
-TEST_F(RefineStage, IsShownWithItsCertificate) {
-  const Plan plan = plan_of(study_with("scale = 0.2"));
-  run_until(plan, Stage::evaluate);
-  const ReportData data = read_report_data(plan, plan.nodes.back());
-  const analysis::Table table = refinement_table(data).value();
-  ASSERT_EQ(table.rows.size(), 2u);
-  const char* methods[] = {"Refined", "Prior"};
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Node& node = plan.node(Stage::infer, {methods[i], 1, 1});
-    const auto certificate =
-        read_part<inference::ImportanceCertificate>(open_artefact(node, kPosteriorSchema));
-    ASSERT_TRUE(certificate.has_value());
-    const std::vector<analysis::Cell>& cells = table.rows[i].cells;
-    EXPECT_EQ(std::get<analysis::MeanStd>(cells[0].value).mean, certificate->log_evidence);
-    EXPECT_EQ(std::get<double>(cells[1].value), certificate->ess);
-    EXPECT_EQ(std::get<double>(cells[3].value), certificate->missed_share);
-    EXPECT_EQ(std::get<double>(cells[5].value), 1.0) << "power";
-    EXPECT_EQ(std::get<std::string>(cells[7].value), inference::verdict(*certificate));
-  }
-}
-
 // The posterior is narrow, so predictions with noise are draws of N(x, 0.2^2) at the truth x: the
 // CRPS is 0.2 / sqrt(pi) = 0.113 and the log score -log(0.2 sqrt(2 pi e)) = 0.190. There are 40
 // errors: standard errors of 0.009 and 0.11, tolerances of four.
