@@ -56,9 +56,6 @@ TEST(Floor, FindsTheGlobalMinimumAmongManyLocalOnes) {
   for (const double t : result.theta) EXPECT_NEAR(t, 1.3, 1e-5);
   EXPECT_LT(result.restart_values.maxCoeff(), 1e-9);
   EXPECT_NEAR(find_in_cube(rowwise(rastrigin), 1, 5.12).theta(0), 1.3, 1e-6);
-}
-
-TEST(Floor, FollowsABentValley) {
   FloorConfig config;
   config.max_generations = 400;
   EXPECT_NEAR(find_in_cube(rowwise(rosenbrock), 6, 2.0, config).value, 0.0, 1e-8);
@@ -144,13 +141,17 @@ TEST(Floor, AsksForWholePopulationsAndCountsItsQuestions) {
   EXPECT_EQ(result.value, -3.0);
 }
 
-TEST(Floor, PassesOnWhatTheObjectiveThrows) {
+TEST(Floor, PassesOnWhatTheObjectiveThrowsAndRejectsWhatItMiscounts) {
   // The population is fine; the first single point of the local search is not.
   const BatchObjective objective = [](const RowMatrix& theta) -> Vector {
     if (theta.rows() == 1) throw std::out_of_range("simulator");
     return theta.rowwise().sum();
   };
   EXPECT_THROW(find_in_cube(objective, 2, 1.0), std::out_of_range);
+  FloorConfig config;
+  config.max_generations = 2;
+  EXPECT_THROW(find_in_cube(rowwise([](const Vector&) { return kNaN; }), 2, 1.0, config), Error);
+  EXPECT_THROW(find_in_cube([](const RowMatrix&) { return Vector::Zero(1); }, 2, 1.0), ShapeError);
 }
 
 TEST(Floor, RejectsBadBoxesStartsAndConfigs) {
@@ -178,13 +179,6 @@ TEST(Floor, RejectsBadBoxesStartsAndConfigs) {
     spoil(config);
     EXPECT_THROW(find_floor(objective, zero, one, RowMatrix(), config), InputError);
   }
-}
-
-TEST(Floor, RejectsAnObjectiveThatIsFiniteNowhereOrMiscounts) {
-  FloorConfig config;
-  config.max_generations = 2;
-  EXPECT_THROW(find_in_cube(rowwise([](const Vector&) { return kNaN; }), 2, 1.0, config), Error);
-  EXPECT_THROW(find_in_cube([](const RowMatrix&) { return Vector::Zero(1); }, 2, 1.0), ShapeError);
 }
 
 Vector sphere(const RowMatrix& points) {

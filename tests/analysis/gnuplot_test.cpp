@@ -74,12 +74,6 @@ TEST_F(Gnuplot, ItsErrorsComeThrough) {
 TEST_F(Gnuplot, StringsStandForThemselves) {
   EXPECT_EQ(gnuplot_string("it's"), "'it’s'");
   EXPECT_EQ(gnuplot_string("a\nb\t\x7f"), "'a b \uFFFD'");
-  const std::string nasty = "''`touch broken`\" \\n $x @y {/Bold b} <&> 10⁻³";
-  const FigureFiles files = render_script(
-      {"plot", 320, 200, "unset key\nset title " + gnuplot_string(nasty) + "\nplot x\n"},
-      folder_.path());
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "broken"));
-  EXPECT_TRUE(has(text_of(files.svg), "’’`touch broken`\" \\n $x @y {/Bold b} &lt;&amp;> 10⁻³"));
 }
 
 TEST_F(Gnuplot, DataFilesHaveAllDigits) {

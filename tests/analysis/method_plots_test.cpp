@@ -83,15 +83,6 @@ TEST(CurvePlot, DrawsABandAndACurveOfEachMethod) {
   EXPECT_TRUE(has(found.svg, {">A<", ">B &lt;&amp;><", ">search iteration<", ">return<"}));
 }
 
-TEST(CurvePlot, CopesWithConstantAndMissingValues) {
-  for (const double value : {0.0, -3.0, std::nan("")}) {
-    CurvePlot plot = curve_plot_of({"A"});
-    Curve& curve = plot.curves.front();
-    for (Vector* part : {&curve.mean, &curve.lower, &curve.upper}) part->setConstant(value);
-    drawn(figure_of(plot));
-  }
-}
-
 TEST(CurvePlot, RejectsWhatCantBeDrawn) {
   EXPECT_THROW(figure_of(curve_plot_of({})), InputError);
   EXPECT_THROW(figure_of(curve_plot_of({"1", "2", "3", "4", "5", "6", "7"})), InputError);

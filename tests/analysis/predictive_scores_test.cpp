@@ -140,14 +140,6 @@ TEST(PredictiveScores, ACalibratedEnsembleCoversItsLevels) {
   }
 }
 
-TEST(PredictiveScores, AnswersForNoLevelsHaveNoRows) {
-  const std::vector<float> values = {1, 2};
-  const PredictiveScores scores =
-      predictive_scores({values, 2, 1, 1, 1}, constant(1, 1, 1, 0.0), RowMatrix::Ones(1, 1), {});
-  EXPECT_EQ(scores.coverage.rows(), 0);
-  EXPECT_EQ(scores.coverage.cols(), 1);
-}
-
 // Of white noise with these deviations (H, C).
 ErrorDensity gaussian(const RowMatrix& deviation) {
   return [deviation](const SampledState& at, double error) {

@@ -172,19 +172,17 @@ TEST(Svg, TidyingGathersRunsOfEqualCircles) {
             "</g>\n");
 }
 
-TEST(Svg, TidyingLeavesOtherPointsAndOddLinesAlone) {
+TEST(Svg, TidyingLeavesOtherPointsAloneAndEndsAnOpenGroup) {
   const std::string other =
       "\t<use xlink:href='#gpPt5' transform='translate(1,2) scale(1)' color='x'/>\n"
       "\t<use xlink:href='#gpPt6' transform='translate(1,2) scale(1)' color='x' more='y'/>\n"
       "\t<use xlink:href='#gpPt6' transform='translate(1,2) scale(1)' color='x' opacity=''/>\n"
       "\t<use xlink:href='#gpPt6' transform='translate(1,2)\n";
   EXPECT_EQ(tidy_svg(other), other);
-}
-
-TEST(Svg, TidyingEndsAnOpenGroupAtTheEnd) {
   EXPECT_EQ(
       tidy_svg("\t<use xlink:href='#gpPt6' transform='translate(1,2) scale(3)' color='red'/>"),
       "<g fill='red' fill-opacity='1' stroke='none'>\n<circle cx='1' cy='2' r='3'/>\n</g>\n");
+  EXPECT_THROW(inline_svg("<html></html>", "f", "label"), InputError);
 }
 
 TEST(Svg, TidyingRemovesTitlesDescriptionsAndEndsOfRawText) {
@@ -201,10 +199,6 @@ TEST(Svg, InliningMakesIdsTheFiguresOwn) {
             "<svg role=\"img\" aria-label=\"A &quot;plot&quot; &amp; more\" width='1'>"
             "<path id='f1-a'/><g id=\"f1-b\"/><use xlink:href='#f1-a'/><use href=\"#f1-b\"/>"
             "<g clip-path=\"url(#f1-a)\"/></svg>");
-}
-
-TEST(Svg, InliningRejectsWhatIsNoSvg) {
-  EXPECT_THROW(inline_svg("<html></html>", "f", "label"), InputError);
 }
 
 }  // namespace

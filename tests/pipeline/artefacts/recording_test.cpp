@@ -146,15 +146,12 @@ TEST(Recording, MayHaveNoActionsNoNamesAndNoSource) {
   expect_equal(read_recording(folder / "b.h5"), read);
 }
 
-TEST_F(EditedRecording, NamesMissingParts) {
+TEST_F(EditedRecording, NamesMissingPartsAndWrongTimeSteps) {
   EXPECT_TRUE(says(reading([](hid_t file) { H5Ldelete(file, "states", H5P_DEFAULT); }),
                    {"a.h5: has no dataset 'states'", "it has actions, rollout"}));
   EXPECT_EQ(reading([](hid_t file) { H5Adelete(file, "dt"); }), "a.h5: attribute 'dt' is missing");
   EXPECT_EQ(reading([](hid_t file) { H5Adelete_by_name(file, "actions", "units", H5P_DEFAULT); }),
             "a.h5: dataset 'actions': attribute 'units' is missing");
-}
-
-TEST_F(EditedRecording, ChecksTheTimeStep) {
   for (const auto& [dt, text] : {std::pair{0.0, "0"}, {5e-324, "4.94066e-324"}, {kNaN, "nan"}}) {
     EXPECT_TRUE(says(reading([&, dt = dt](hid_t file) { write_double(file, "dt", dt); }),
                      {std::string("a.h5: dt = ") + text + ", must be a positive time [s]"}));

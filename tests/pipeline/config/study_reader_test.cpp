@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <tuple>
+#include <utility>
 
 #include "pipeline/config/check.h"
 #include "tests/pipeline/small_study.h"
@@ -166,24 +167,18 @@ TEST(StudyReader, NetworksSeePrincipalComponentsWhereNothingElseIsSaid) {
   }
 }
 
-TEST(StudyReader, AcceptsWindowsLineEndsAndAByteOrderMark) {
-  std::string text = "\xEF\xBB\xBF";
-  for (const char c : std::string(kStudyText)) text += c == '\n' ? "\r\n" : std::string(1, c);
-  EXPECT_EQ(problems_of(text), "");
-}
-
-TEST(StudyReader, OverridesMustBeUtf8) {
-  for (const char* text : {"\xe1z", "a\x7f"}) {
-    EXPECT_TRUE(says(problems_of(kStudyText, {std::string("target.recording=") + text}),
-                     {"--set target.recording="}));
-  }
-}
-
-TEST(StudyReader, NamesTooLongForTheFileSystemAreNoSurprise) {
-  const std::string name(5000, 'a');
+TEST(StudyReader, OddTextsAreReadOrRefused) {
+  std::string windows = "\xEF\xBB\xBF";
+  for (const char c : std::string(kStudyText)) windows += c == '\n' ? "\r\n" : std::string(1, c);
+  EXPECT_EQ(problems_of(windows), "");
+  const std::string name(5000, 'a');  // too long for the file system
   EXPECT_TRUE(has(message_of<InputError>([&] { read_study(name); }), "can't be opened"));
-  EXPECT_TRUE(has(problems_of(kStudyText, {"target.recording=" + name.substr(0, 4000)}),
-                  "must be an existing HDF5 file"));
+  for (const auto& [recording, said] :
+       {std::pair<std::string, std::string>{"\xe1z", "--set target.recording="},  // not UTF-8
+        {"a\x7f", "--set target.recording="},
+        {name.substr(0, 4000), "must be an existing HDF5 file"}}) {
+    EXPECT_TRUE(has(problems_of(kStudyText, {"target.recording=" + recording}), said));
+  }
 }
 
 // Without a table studies are checked by what costs little: calibration is among that where its 300

@@ -32,13 +32,10 @@ TEST(RowStore, GivesBackWhatWasWrittenInMemoryAndInAFile) {
 // One rollout of two states of two picked channels out of three.
 inference::SeriesSelection selection() { return {1, 2, 3, 1, {0, 2}}; }
 
-TEST(SeriesSummary, HoldsFiveNumbersOfEachChannel) {
+TEST(SeriesSummary, HoldsFiveNumbersOfEachPickedChannel) {
   const std::vector<float> picked = {1.0f, -4.0f, 3.0f, -6.0f};
   EXPECT_EQ(summarize(picked, selection()),
             (Vector{{2.0, 1.0, 1.0, 3.0, 3.0, -5.0, 1.0, -6.0, -4.0, -6.0}}));
-}
-
-TEST(SeriesSummary, NamesThePickedChannels) {
   const auto names = summary_names(selection(), {{"x", "m"}, {"y", "m"}, {"z", "m"}});
   ASSERT_EQ(names.size(), 10u);
   EXPECT_EQ(names.front(), "rollout 1, x: mean");
@@ -70,14 +67,11 @@ Index num_seen(const Rows& rows, Index most_rows) {
   return usual ? usual->known.rows() + usual->distances.rows() : 0;
 }
 
-TEST(UsualFeatures, AreOfSomeFiniteRows) {
+TEST(UsualFeatures, AreOfSomeFiniteRowsOrNone) {
   EXPECT_EQ(num_seen({300, 0}, 1000), 300);
   EXPECT_EQ(num_seen({300, 0}, 100), 100);
   EXPECT_EQ(num_seen({300, 50}, 1000), 250);
-}
-
-TEST(UsualFeatures, OfTooFewRowsAreNone) {
-  EXPECT_EQ(num_seen({39, 0}, 1000), 0);
+  EXPECT_EQ(num_seen({39, 0}, 1000), 0) << "too few";
   EXPECT_EQ(num_seen({40, 0}, 1000), 40);
   EXPECT_EQ(num_seen({300, 261}, 1000), 0);
 }

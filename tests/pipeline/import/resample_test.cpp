@@ -32,16 +32,6 @@ EvenRows even(const std::vector<double>& times, double dt) {
   return resampled(times, rows.states, rows.actions, dt);
 }
 
-TEST(Resample, InterpolatesStatesLinearly) {
-  const EvenRows found = even({5.0, 5.13, 5.19, 5.32, 5.4}, 0.1);
-  ASSERT_EQ(found.states.rows(), 5);
-  for (Index t = 0; t < 5; ++t) {
-    const double time = 5.0 + 0.1 * static_cast<double>(t);
-    EXPECT_NEAR(found.states(t, 0), 3.0 * time, 1e-12);
-    EXPECT_NEAR(found.states(t, 1), 1.0 - time, 1e-12);
-  }
-}
-
 TEST(Resample, ActionsAreThoseHeldForMostOfAStep) {
   EXPECT_EQ(even({0.0, 0.13, 0.19, 0.32, 0.4}, 0.1).actions, (RowMatrix{{0}, {1}, {2}, {3}}));
   EXPECT_EQ(even({0.0, 0.1, 0.2, 0.3, 0.4}, 0.2).actions.rows(), 2);

@@ -64,10 +64,6 @@ std::string of_policy(const std::string& optimizer, const std::string& listed,
       .with("policy.grid." + listed, {"parameter = \"pole_length\"", "values = [0.1, 0.12]"});
 }
 
-std::string of_regression() {
-  return furuta_study("regression").method("BLR", {"algorithm = \"linear_regression\""});
-}
-
 std::string program_text(const std::string& key) {
   return command_study("program")
       .only("target", {"truth = { a = 0.4, b = 0.5 }"})
@@ -78,14 +74,6 @@ std::string program_text(const std::string& key) {
                           "parameter = [{ name = \"a\", nominal = 0.4, lower = 0.0, upper = 1.0 }, "
                           "{ name = \"b\", nominal = 0.4 }, { name = \"c\", nominal = 1.0 }]"})
       .method("NPE", {kAllSteps});
-}
-
-std::string of_golf() { return minigolf_study("golf").method("NPE", {kAllSteps}); }
-
-std::string of_features() { return command_study("features").method("NPE"); }
-
-std::string of_dataset() {
-  return dataset_study("dataset").method("NPE", {"num_simulations = 30"});
 }
 
 std::string of_library() {
@@ -148,12 +136,12 @@ class Keys : public FolderTest {
             of_deviations(),
             of_policy("power", "x", "y"),
             of_policy("cross_entropy", "y", "x"),
-            of_regression(),
-            of_golf(),
+            furuta_study("regression").method("BLR", {"algorithm = \"linear_regression\""}),
+            minigolf_study("golf").method("NPE", {kAllSteps}),
             program_text("command"),
             program_text("worker"),
-            of_features(),
-            of_dataset(),
+            command_study("features").method("NPE"),
+            dataset_study("dataset").method("NPE", {"num_simulations = 30"}),
             of_library()};
   }
 

@@ -183,10 +183,14 @@ TEST(Plan, MethodsShareTheSimulationsOfCalibration) {
 }
 
 TEST(Plan, ASelectionLeavesOutTheRest) {
-  const Plan plan = plan_of({}, {{"B"}, {2}});
-  EXPECT_EQ(keys(plan, Stage::infer).size(), 1u);
+  EXPECT_EQ(keys(plan_of({}, {{"B"}, {2}}), Stage::infer).size(), 1u);
   EXPECT_THROW(plan_of({}, {{"C"}, {}}), InputError);
   EXPECT_THROW(plan_of({}, {{}, {3}}), InputError);
+  const Plan plan = plan_of();
+  const Node& node = plan.nodes[3];
+  EXPECT_EQ(&plan.node_by_key(node.key.substr(0, 12)), &node);
+  EXPECT_THROW(plan.node_by_key("x"), InputError);
+  EXPECT_THROW(plan.node_by_key(""), InputError);  // all begin like this
 }
 
 // Everything that a study says of a program's parameters and goal changes rows, or what they are
@@ -222,14 +226,6 @@ TEST(Plan, WhatAStudySaysOfItsProgramIsInTheKeys) {
       EXPECT_EQ(keys(after, stage) != keys(before, stage), changes_scores) << to;
     }
   }
-}
-
-TEST(Plan, NodesAreFoundByTheBeginningOfTheirKey) {
-  const Plan plan = plan_of();
-  const Node& node = plan.nodes[3];
-  EXPECT_EQ(&plan.node_by_key(node.key.substr(0, 12)), &node);
-  EXPECT_THROW(plan.node_by_key("x"), InputError);
-  EXPECT_THROW(plan.node_by_key(""), InputError);  // all begin like this
 }
 
 // The last round's posterior holds all that a population needs of the rounds before it.

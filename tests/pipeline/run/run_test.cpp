@@ -66,20 +66,14 @@ TEST(WorkLeft, TakesAReportAloneForOneOfMany) {
 const RunProgress kRun = {
     "pendulum", 163, 263, 60.0, 0.75, 20.0, {"infer A: 12 epochs", "evaluate B"}};
 
-TEST(RunDisplay, HasABarAndALineForEachJob) {
+TEST(RunDisplay, HasABarAndALineForEachJobForWhichThereIsRoom) {
   EXPECT_EQ(live_lines(kRun, {80, 24}),
             (std::vector<std::string>{
                 "pendulum [################......]  75 % 01:00, 00:20 left, 163 of 263 artefacts",
                 "  infer A: 12 epochs", "  evaluate B"}));
-}
-
-TEST(RunDisplay, NamesOneJobWhereThereIsNoRoom) {
   EXPECT_EQ(live_lines(kRun, {80, 4}).back(), "  2 jobs: infer A: 12 epochs");
   EXPECT_EQ(live_lines(kRun, {80, 2}).size(), 1u);
-}
-
-TEST(RunDisplay, SaysNothingOfTheRestBeforeAnythingIsKnown) {
-  RunProgress run = kRun;
+  RunProgress run = kRun;  // before anything is known of the rest
   run.share = run.seconds_left = std::nullopt;
   EXPECT_EQ(log_line(run),
             "pendulum: 163 of 263 artefacts [01:00] | infer A: 12 epochs | evaluate B");

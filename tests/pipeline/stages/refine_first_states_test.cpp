@@ -95,27 +95,18 @@ class FirstStates : public FolderTest {
 // Both parameters are within four deviations: false alarms have a probability of 1e-4.
 TEST_F(FirstStates, ThatAreInferredLeaveWhiteErrorsAndTheTruth) {
   record_pendulum();
-  for (const char* noise : {"scale = 0.02", "scale_prior = [0.1, 1.0]"}) {
+  const std::string unknown = "scale_prior = [0.1, 1.0]";
+  for (const std::string& noise :
+       {std::string("scale = 0.02"), unknown, unknown + "\ncorrelation_prior = [0.5, 1.0]"}) {
     const Found found = refine(noise, ", infer_first_states = true");
     EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << noise << ": " << found.off.transpose();
     EXPECT_LT(found.excess, 1.6) << noise;
+  }
+  for (const std::string& noise : {std::string("scale = 0.02"), unknown}) {
     EXPECT_GT(refine(noise, "").excess, 2.0) << noise << ": errors of first states stay";
   }
-}
-
-TEST_F(FirstStates, OfCorrelatedNoiseAreInferred) {
-  record_pendulum();
-  const Found found = refine("scale_prior = [0.1, 1.0]\ncorrelation_prior = [0.5, 1.0]",
-                             ", infer_first_states = true");
-  EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << found.off.transpose();
-  EXPECT_LT(found.excess, 1.6);
-}
-
-TEST_F(FirstStates, CanBeInferredBesideThePower) {
-  record_pendulum();
-  const Found found =
-      refine("scale_prior = [0.1, 1.0]", ", infer_first_states = true, cross_validate = true");
-  EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << found.off.transpose();
+  const Found beside_power = refine(unknown, ", infer_first_states = true, cross_validate = true");
+  EXPECT_LT(beside_power.off.cwiseAbs().maxCoeff(), 4.0) << beside_power.off.transpose();
 }
 
 // A mass that is let go at rest answers to a push otherwise than to a pull, by its dry friction:

@@ -1,12 +1,15 @@
-// Opening, closing and joining HDF5 files.
 #include <fcntl.h>
+#include <hdf5_hl.h>
 #include <sys/file.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <ctime>
+#include <utility>
 
+#include "core/error.h"
 #include "pipeline/store/h5.h"
+#include "pipeline/store/netcdf.h"
 #include "tests/pipeline/store/written_h5.h"
 #include "tests/temp_folder.h"
 #include "tests/wait_for.h"
@@ -50,24 +53,27 @@ TEST_F(H5File, AVirtualDatasetIsReadLikeItsParts) {
     EXPECT_EQ(row[0], 3.0 * static_cast<double>(i));
   }
   EXPECT_EQ(joined(), counted(6, 3)) << "while the other one is open";
-}
-
-TEST_F(H5File, AVirtualDatasetCanBeReadFromAnotherCurrentFolder) {
-  write_joined();
   const auto old = std::filesystem::current_path();
   std::filesystem::current_path(folder_.path());
-  const RowMatrix values = File::open("joined.h5").read_matrix<double>("x");
+  EXPECT_EQ(File::open("joined.h5").read_matrix<double>("x"), counted(6, 3));
   std::filesystem::current_path(old);
-  EXPECT_EQ(values, counted(6, 3));
+  const auto here = std::filesystem::canonical(folder_.path());
+  EXPECT_EQ(x.part_files(), (std::vector{here / "part0.h5", here / "part1.h5", here / "part2.h5"}));
+  EXPECT_TRUE(File::open(folder_ / "part0.h5").dataset("x").part_files().empty());
 }
 
-TEST_F(H5File, AVirtualDatasetWithoutItsPartsIsRefused) {
+TEST_F(H5File, AVirtualDatasetWithoutItsPartsOrInAnotherOrderIsRefused) {
   write_joined();
   written_h5(folder_ / "part1.h5", [](File& part) { part.write("x", counted(1, 3)); });
   EXPECT_TRUE(says(refusal(), {"joined.h5: dataset 'x'", "5 rows", "6"}));
   std::filesystem::remove(folder_ / "part1.h5");
   EXPECT_TRUE(says(refusal(), {"joined.h5: dataset 'x': its part 'part1.h5' is missing",
                                "remove the joined file and rerun stage 'simulate'"}));
+  write_joined();
+  // The mapping says that part 0 has one row and the others come after it.
+  join(6, {{"part0.h5", "x", 1}, {"part1.h5", "x", 2}, {"part2.h5", "x", 2}});
+  EXPECT_TRUE(says(refusal(), {"joined.h5: dataset 'x': its rows",
+                               "must be those of its parts, one after the other"}));
 }
 
 TEST_F(H5File, AVirtualDatasetMayHaveMorePartsThanAProcessMayOpenFiles) {
@@ -99,22 +105,6 @@ TEST_F(H5File, ADamagedPartOfAVirtualDatasetIsNamed) {
             "remove it and 'joined.h5'"}));
 }
 
-TEST_F(H5File, AVirtualDatasetInAnotherOrderThanItsPartsIsRefused) {
-  write_joined();
-  // The mapping says that part 0 has one row and the others come after it.
-  join(6, {{"part0.h5", "x", 1}, {"part1.h5", "x", 2}, {"part2.h5", "x", 2}});
-  EXPECT_TRUE(says(refusal(), {"joined.h5: dataset 'x': its rows",
-                               "must be those of its parts, one after the other"}));
-}
-
-TEST_F(H5File, AVirtualDatasetNamesItsPartFiles) {
-  write_joined();
-  const auto here = std::filesystem::canonical(folder_.path());
-  EXPECT_EQ(File::open(folder_ / "joined.h5").dataset("x").part_files(),
-            (std::vector{here / "part0.h5", here / "part1.h5", here / "part2.h5"}));
-  EXPECT_TRUE(File::open(folder_ / "part0.h5").dataset("x").part_files().empty());
-}
-
 TEST_F(H5File, ClosingAFileClosesWhatIsOpenInIt) {
   File file = File::create(folder_ / "a.h5");
   h5::Dataset dataset = file.create_dataset("x", ElementType::f64, {1});
@@ -138,21 +128,65 @@ TEST_F(H5File, EqualContentGivesEqualFiles) {
   EXPECT_EQ(text_of(folder_ / "a.h5"), text_of(folder_ / "b.h5"));
 }
 
-TEST_F(H5File, DoesntOpenAFileThatSomebodyElseWrites) {
+TEST_F(H5File, SaysWhyItCantBeOpened) {
   const auto path = written_h5(folder_ / "a.h5", [](File&) {});
   const int somebody = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
   ASSERT_EQ(::flock(somebody, LOCK_EX), 0);
-  EXPECT_EQ(
-      message_of<Error>([&] { File::open(path); }, &folder_),
-      "a.h5: can't be opened: unable to lock file: Resource temporarily unavailable; try again "
-      "later");
+  EXPECT_EQ(message_of<Error>([&] { File::open(path); }, &folder_),
+            "a.h5: can't be opened: unable to lock file: Resource temporarily unavailable; try "
+            "again later");
   ::close(somebody);
-}
-
-TEST_F(H5File, ANameTooLongForTheFileSystemIsNoSurprise) {
   const std::string name(5000, 'a');
   EXPECT_EQ(problem([&] { File::open(name); }),
             name + ": can't be opened: unable to open file: File name too long");
+}
+
+class Netcdf : public FolderTest {
+ protected:
+  Netcdf() : file_(h5::File::create(folder_ / "a.nc")), group_(file_.create_group("posterior")) {
+    group_.dimension("chain", std::vector<Index>{1, 2});
+    group_.dimension("name", std::vector<std::string>{"a", "\u00e4", ""});
+  }
+
+  h5::File reopened() {
+    file_.close();
+    return h5::File::open(folder_ / "a.nc");
+  }
+
+  h5::File file_;
+  NetcdfGroup group_;
+};
+
+TEST_F(Netcdf, EveryAxisHasTheScaleOfItsName) {
+  group_.variable("x", {"chain", "name"}, std::vector<double>{1, 2, 3, 4, 5, 6}, "kg");
+  group_.variable("dt", {}, std::vector<double>{0.5});
+  const h5::File file = reopened();
+  const h5::Group group = file.group("posterior");
+  const h5::Dataset x = group.dataset("x");
+  EXPECT_EQ(x.read<double>(), (std::vector<double>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(x.attribute<std::string>("units"), "kg");
+  for (const auto& [axis, name] : {std::pair{0u, "chain"}, {1u, "name"}}) {
+    const h5::Dataset scale = group.dataset(name);
+    EXPECT_GT(H5DSis_scale(scale.id()), 0);
+    EXPECT_GT(H5DSis_attached(x.id(), scale.id(), axis), 0);
+  }
+  EXPECT_EQ(H5DSis_attached(x.id(), group.dataset("name").id(), 0), 0);
+  EXPECT_EQ(group.dataset("name").read_texts(), (std::vector<std::string>{"a", "\u00e4", ""}));
+  EXPECT_EQ(group.read_scalar<double>("dt"), 0.5);
+}
+
+TEST_F(Netcdf, NamesThatItForbidsAreReplaced) {
+  group_.variable("chain", {"chain"}, std::vector<float>{1, 2});
+  group_.variable("a/b ", {"chain"}, std::vector<float>{1, 2});
+  const h5::File file = reopened();
+  EXPECT_EQ(file.group("posterior").names(),
+            (std::vector<std::string>{"a_b", "chain", "chain_", "name"}));
+}
+
+TEST_F(Netcdf, ADimensionMustBeThere) {
+  EXPECT_TRUE(
+      says(message_of<ShapeError>([&] { group_.variable("x", {"draw"}, std::vector<double>{1}); }),
+           {"x: there is no dimension draw"}));
 }
 
 }  // namespace

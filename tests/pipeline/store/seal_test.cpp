@@ -1,7 +1,10 @@
-#include "pipeline/store/seal.h"
+// What keeps damaged and hostile files out.
+#include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "pipeline/store/artefact.h"
+#include "pipeline/store/hostile_json.h"
+#include "pipeline/store/seal.h"
 #include "tests/file_size_limit.h"
 #include "tests/pipeline/store/written_h5.h"
 #include "tests/temp_folder.h"
@@ -78,6 +81,25 @@ TEST_F(Seal, AFullDiskIsAnError) {
   const FileSizeLimit limit(120);
   EXPECT_TRUE(has(message_of<Error>([&] { seal_file(folder_ / "a", "result.h5"); }),
                   "result.h5: can't be given its checksum: File too large"));
+}
+
+std::string refusal_of(const std::string& text) {
+  return message_of<InputError>([&] { parse_json(text, "a.h5"); });
+}
+
+TEST(HostileJson, ThatWouldEndTheProcessOrIsNoneIsRefused) {
+  const std::string nested(100'000, '[');
+  EXPECT_TRUE(says(refusal_of(nested), {"a.h5: its JSON nests too deeply"}));
+  EXPECT_TRUE(says(refusal_of("{'a'}"), {"a.h5: ", "{'a'}", "isn't JSON"}));
+  const auto nested_by = [](int depth) {
+    return std::string(depth, '[') + std::string(depth, ']');
+  };
+  EXPECT_TRUE(json_in(nested_by(500)));
+  for (const std::string& bad : {nested, nested_by(501), std::string("{'a'}")}) {
+    EXPECT_FALSE(json_in(bad));
+  }
+  const std::string of_brackets = R"(["\"\\)" + std::string(1000, '[') + "\"]";
+  EXPECT_EQ(parse_json(of_brackets, "a.h5").size(), 1u);
 }
 
 }  // namespace
