@@ -1,16 +1,11 @@
 #include "analysis/figure.h"
 
-#include <gtest/gtest.h>
-#include <utility>
-
 #include <set>
 
 #include "core/atomic_file.h"
 #include "core/constants.h"
 #include "tests/analysis/drawn.h"
 #include "tests/analysis/markup_check.h"
-#include "tests/message_of.h"
-#include "tests/temp_folder.h"
 
 namespace npdr::analysis {
 namespace {

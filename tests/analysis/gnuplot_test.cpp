@@ -1,16 +1,13 @@
 #include "analysis/gnuplot.h"
 
-#include <gtest/gtest.h>
-#include <set>
-
 #include <cstdlib>
 #include <iterator>
+#include <set>
 
 #include "core/atomic_file.h"
 #include "core/constants.h"
 #include "core/error.h"
 #include "tests/analysis/markup_check.h"
-#include "tests/message_of.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::analysis {

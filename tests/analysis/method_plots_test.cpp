@@ -1,5 +1,4 @@
 // Figures that compare methods.
-#include <gtest/gtest.h>
 
 #include <cmath>
 

@@ -1,11 +1,8 @@
 #include "analysis/metrics.h"
 
-#include <gtest/gtest.h>
-#include <tuple>
-#include <utility>
-
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "analysis/dtw.h"
 #include "core/constants.h"

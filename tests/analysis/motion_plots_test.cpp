@@ -1,15 +1,12 @@
 // Figures of motions.
-#include <gtest/gtest.h>
 
 #include <cmath>
-#include <utility>
 
 #include "analysis/path_plot.h"
 #include "analysis/trajectory_plot.h"
 #include "core/constants.h"
 #include "core/error.h"
 #include "tests/analysis/drawn.h"
-#include "tests/message_of.h"
 
 namespace npdr::analysis {
 namespace {

@@ -1,7 +1,5 @@
 #include "analysis/pair_plot.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <sstream>
 

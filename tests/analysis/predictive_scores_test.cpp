@@ -1,13 +1,10 @@
 #include "analysis/predictive_scores.h"
 
-#include <gtest/gtest.h>
-#include <tuple>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <string>
+#include <tuple>
 
 #include "analysis/summary.h"
 #include "core/constants.h"

@@ -1,5 +1,4 @@
 // Ensembles of simulated states, and their quantiles.
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>

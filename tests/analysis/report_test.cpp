@@ -1,9 +1,7 @@
-#include <gtest/gtest.h>
 
-#include <utility>
 
-#include "analysis/gnuplot.h"
 #include "analysis/report.h"
+#include "analysis/gnuplot.h"
 #include "analysis/report_script.h"
 #include "analysis/svg.h"
 #include "core/atomic_file.h"

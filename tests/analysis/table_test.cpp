@@ -1,7 +1,5 @@
 #include "analysis/table.h"
 
-#include <gtest/gtest.h>
-
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
 #include "core/constants.h"

@@ -17,8 +17,8 @@ inline void write_standing(const std::filesystem::path& path, std::size_t num_ro
   constexpr std::array names = {"first", "second", "third"};
   for (std::size_t h = 0; h < num_rollouts; ++h) {
     const double value = state + 0.1 * static_cast<double>(h);
-    target.rollouts.push_back({names.at(h), RowMatrix::Constant(num_steps + 1, 2, value),
-                               RowMatrix::Zero(num_steps, 1)});
+    target.rollouts.push_back(
+        {names.at(h), RowMatrix::Constant(num_steps + 1, 2, value), RowMatrix::Zero(num_steps, 1)});
   }
   write_recording(target, path);
 }

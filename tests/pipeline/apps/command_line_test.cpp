@@ -1,4 +1,3 @@
-#include <gtest/gtest.h>
 #include <hdf5.h>
 #include <CLI/CLI.hpp>
 

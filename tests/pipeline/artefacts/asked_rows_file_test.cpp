@@ -1,4 +1,3 @@
-#include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,7 +8,6 @@
 #include "pipeline/artefacts/asked_rows_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/work_folder.h"
-#include "tests/message_of.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

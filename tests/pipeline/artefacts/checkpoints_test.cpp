@@ -1,8 +1,4 @@
 #include <fmt/format.h>
-#include <gtest/gtest.h>
-
-#include <utility>
-#include <vector>
 
 #include "core/error.h"
 #include "pipeline/artefacts/diagnosis_checkpoint.h"

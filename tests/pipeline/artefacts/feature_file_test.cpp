@@ -1,9 +1,7 @@
 #include "pipeline/artefacts/feature_file.h"
 
 #include <tuple>
-#include <utility>
 
-#include "core/error.h"
 #include "core/feature_names.h"
 #include "pipeline/store/h5.h"
 #include "tests/pipeline/store/written_h5.h"

@@ -1,7 +1,6 @@
 #include "pipeline/artefacts/particle_file.h"
 
 #include <functional>
-#include <utility>
 
 #include "core/constants.h"
 #include "core/error.h"

@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <memory>
-#include <utility>
 
 #include "core/error.h"
 #include "inference/direct_posterior.h"

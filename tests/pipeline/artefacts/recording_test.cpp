@@ -1,11 +1,10 @@
 #include "pipeline/artefacts/recording.h"
 
 #include <hdf5.h>
-#include <functional>
-#include <tuple>
-#include <utility>
 
 #include <cstdlib>
+#include <functional>
+#include <tuple>
 
 #include "core/constants.h"
 #include "core/error.h"

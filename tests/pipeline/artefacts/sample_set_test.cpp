@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
 #include "core/error.h"
 #include "pipeline/artefacts/dataset_file.h"

@@ -1,4 +1,3 @@
-#include <gtest/gtest.h>
 
 #include <optional>
 
@@ -8,7 +7,6 @@
 #include "pipeline/cluster/task_log.h"
 #include "pipeline/config/cluster_check.h"
 #include "pipeline/config/study_reader.h"
-#include "tests/message_of.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 

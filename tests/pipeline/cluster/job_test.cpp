@@ -1,7 +1,4 @@
 #include "pipeline/cluster/job.h"
-#include "pipeline/plan/shards.h"
-
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
@@ -11,6 +8,7 @@
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/config/study_reader.h"
+#include "pipeline/plan/shards.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 

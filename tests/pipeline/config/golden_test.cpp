@@ -1,6 +1,5 @@
 // What is said of bad and of suspicious studies: tests/golden/config.txt.
 #include "core/text.h"
-
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/config/simulator_info.h"
 #include "pipeline/config/study_warnings.h"

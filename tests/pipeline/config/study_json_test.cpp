@@ -1,5 +1,4 @@
 #include <set>
-#include <utility>
 
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_keys.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <tuple>
-#include <utility>
 
 #include "pipeline/config/check.h"
 #include "tests/pipeline/small_study.h"

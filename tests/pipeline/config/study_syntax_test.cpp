@@ -1,5 +1,4 @@
 // Texts that are no study, or none that anybody means; programs that a study names.
-#include <utility>
 
 #include "core/text.h"
 #include "pipeline/config/constraint.h"

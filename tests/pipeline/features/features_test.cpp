@@ -1,4 +1,3 @@
-#include <gtest/gtest.h>
 
 #include "core/constants.h"
 #include "pipeline/features/row_store.h"

@@ -1,5 +1,6 @@
 // Verdicts on posteriors; other words of theirs are in tests/golden/report.txt.
 #include "pipeline/findings/findings.h"
+
 #include "core/constants.h"
 #include "core/random.h"
 #include "pipeline/report/registry.h"

@@ -1,11 +1,8 @@
-#include "pipeline/findings/dataset_probes.h"
-
-#include <gtest/gtest.h>
-#include <functional>
-
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
+#include "pipeline/findings/dataset_probes.h"
 #include "pipeline/sources/marginal_fit.h"
 #include "tests/message_of.h"
 

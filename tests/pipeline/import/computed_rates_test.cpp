@@ -1,12 +1,7 @@
 #include "pipeline/import/computed_rates.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <string>
-#include <vector>
 
-#include "core/error.h"
 #include "sim/savitzky_golay.h"
 #include "tests/message_of.h"
 #include "tests/pipeline/import/encoder_motion.h"

@@ -1,9 +1,7 @@
 #include "pipeline/import/csv_import.h"
 
 #include <fmt/format.h>
-#include <utility>
 
-#include "core/error.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 

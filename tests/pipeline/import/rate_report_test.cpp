@@ -3,9 +3,6 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "core/text.h"
 #include "pipeline/import/rate_report.h"

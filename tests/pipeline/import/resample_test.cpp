@@ -1,6 +1,5 @@
 // Rollouts of even steps and of one length.
 #include <cmath>
-#include <utility>
 
 #include "core/error.h"
 #include "core/random.h"

@@ -1,5 +1,4 @@
 // Which settings of a study are part of which keys.
-#include <gtest/gtest.h>
 
 #include <set>
 

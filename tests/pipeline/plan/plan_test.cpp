@@ -1,16 +1,13 @@
 #include "pipeline/plan/plan.h"
-#include "pipeline/plan/shards.h"
-
-#include <gtest/gtest.h>
-#include <tuple>
-#include <utility>
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/plan/key_parts.h"
+#include "pipeline/plan/shards.h"
 #include "tests/pipeline/plan/plan_parts.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/study_text.h"

@@ -1,11 +1,9 @@
 // Plans of studies with policies, and on recordings.
-#include <gtest/gtest.h>
 
 #include "core/error.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/run/scheduler.h"
-#include "tests/message_of.h"
 #include "tests/pipeline/plan/plan_parts.h"
 #include "tests/pipeline/standing_recording.h"
 #include "tests/study_text.h"

@@ -1,7 +1,5 @@
 #include "pipeline/plan/report_marker.h"
 
-#include <gtest/gtest.h>
-
 #include "core/error.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"

@@ -1,7 +1,7 @@
 // Tables that fit a terminal; other texts are in tests/golden/text.txt.
-#include <gtest/gtest.h>
 
 #include "pipeline/process/fitted_text.h"
+
 #include "tests/message_of.h"
 
 namespace npdr::pipeline {

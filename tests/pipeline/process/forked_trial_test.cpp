@@ -1,6 +1,5 @@
 #include "pipeline/process/forked_trial.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -8,7 +7,6 @@
 #include <stdexcept>
 
 #include "core/error.h"
-#include "tests/message_of.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

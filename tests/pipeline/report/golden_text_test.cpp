@@ -1,12 +1,9 @@
 // What functions make of texts: tests/golden/text.txt.
 #include <fmt/format.h>
-#include <gtest/gtest.h>
 
 #include <functional>
 #include <map>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include "analysis/escape.h"
 #include "analysis/latex_symbols.h"
@@ -67,9 +64,13 @@ std::string made_of(const std::string& function, const TextInput& in) {
       {"folder", [&] { return folder_slug(in.text); }},
       {"shell", [&] { return shell_text(split(in.text, '|')); }},
       {"hint of commas", [&] { return format_hint(in.text, {}); }},
-      {"hint of semicolons", [&] { return format_hint(in.text, {';', false}); }},
-      {"hint of semicolons and decimal commas",
-       [&] { return format_hint(in.text, {';', true}); }}};
+      {"hint of semicolons",
+       [&] {
+         return format_hint(in.text, {';', false});
+       }},
+      {"hint of semicolons and decimal commas", [&] {
+         return format_hint(in.text, {';', true});
+       }}};
   const auto found = functions.find(function);
   return found == functions.end() ? "no such function" : found->second();
 }

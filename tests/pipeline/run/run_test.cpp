@@ -1,5 +1,4 @@
 // What a run knows and says of its jobs.
-#include <gtest/gtest.h>
 
 #include <fstream>
 

@@ -7,7 +7,6 @@
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"
-#include "tests/message_of.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 

@@ -1,5 +1,4 @@
 // Refinement of recordings whose first states are as noisy as the others.
-#include <gtest/gtest.h>
 
 #include "inference/weighted_population.h"
 #include "pipeline/artefacts/particle_file.h"

@@ -1,5 +1,4 @@
 // Refinement through the stages, against a grid.
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,4 @@
 // Rows of refinements: shared with helpers, or of programs of the user.
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
@@ -12,7 +11,6 @@
 #include "pipeline/run/run_stage.h"
 #include "pipeline/stages/refined_rows.h"
 #include "pipeline/stages/stages.h"
-#include "tests/message_of.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/pipeline/stages/run_until.h"
 #include "tests/study_text.h"

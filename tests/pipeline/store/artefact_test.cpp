@@ -1,6 +1,7 @@
 #include "pipeline/store/artefact.h"
 
 #include <unistd.h>
+
 #include <cmath>
 #include <functional>
 #include <set>

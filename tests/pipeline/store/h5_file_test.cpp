@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <ctime>
-#include <utility>
 
 #include "core/error.h"
 #include "pipeline/store/h5.h"

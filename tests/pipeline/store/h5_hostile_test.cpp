@@ -1,8 +1,8 @@
 // Files that lie about what they hold. Only HDF5 itself can make them.
 #include <hdf5.h>
 #include <sys/stat.h>
+
 #include <functional>
-#include <utility>
 
 #include "pipeline/store/h5.h"
 #include "tests/pipeline/store/written_h5.h"

@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <numeric>
-#include <utility>
 
 #include "core/constants.h"
 #include "tests/pipeline/store/written_h5.h"

@@ -1,10 +1,6 @@
-#include <gtest/gtest.h>
 
 #include <cmath>
 #include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "core/error.h"
 #include "core/feature_names.h"

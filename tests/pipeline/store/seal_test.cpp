@@ -1,10 +1,9 @@
 // What keeps damaged and hostile files out.
-#include <gtest/gtest.h>
 
+#include "pipeline/store/seal.h"
 #include "core/error.h"
 #include "pipeline/store/artefact.h"
 #include "pipeline/store/hostile_json.h"
-#include "pipeline/store/seal.h"
 #include "tests/file_size_limit.h"
 #include "tests/pipeline/store/written_h5.h"
 #include "tests/temp_folder.h"
