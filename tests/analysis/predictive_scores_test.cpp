@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <tuple>
 
 #include "analysis/summary.h"
@@ -51,33 +50,6 @@ TEST(Crps, OfOneValueIsItsAbsoluteError) {
   EXPECT_TRUE(std::isnan(crps_of_sorted({}, 5.0)));
 }
 
-// N(0, sigma^2) against sigma z: Gneiting and Raftery 2007, section 4.2. The mean of the fair score
-// is exact for ensembles as small as 5. Each of 400 channels is an independent repetition, so the
-// mean over them has the standard error std / 20. Five of these: false-alarm rate 6e-7 for each z,
-// fixed seed. The estimator that isn't fair would be 0.11 off, 20 standard errors.
-TEST(PredictiveScores, CrpsApproachesTheClosedFormOfAGaussian) {
-  const double sigma[] = {0.5, 3.0};
-  std::vector<float> values(5 * 2 * 10 * 400);
-  Stream({2, "predictive_scores_test"}).fill_normal(values);
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    values[k] *= static_cast<float>(sigma[k / (10 * 400) % 2]);
-  }
-  RowMatrix amplitude(2, 400);
-  amplitude.row(0).setConstant(sigma[0]);
-  amplitude.row(1).setConstant(sigma[1]);
-  for (const double z : {-1.5, 0.0, 2.5}) {
-    const std::vector<RowMatrix> observed = {RowMatrix::Constant(10, 400, sigma[0] * z),
-                                             RowMatrix::Constant(10, 400, sigma[1] * z)};
-    const Summary found =
-        summarize(predictive_scores({values, 5, 2, 10, 400}, observed, amplitude).crps);
-    const double expected = z * (2.0 * normal_cdf(z) - 1.0) +
-                            2.0 * std::exp(log_normal_density(z)) -
-                            1.0 / std::sqrt(std::numbers::pi);
-    EXPECT_NEAR(found.mean, expected, 5.0 * found.std / 20.0) << z;
-    EXPECT_LT(found.std / 20.0, 0.01);
-  }
-}
-
 // One sample (H, T, C) = (2, 2, 2). Errors of channel 0: 1, 2 over 2 and 4, 0 over 4; of channel 1:
 // 3, 3 over 1 and 0, 10 over 5.
 TEST(PredictiveScores, CrpsOfOneSampleIsTheMeanAbsoluteErrorInUnitsOfTheAmplitude) {
@@ -109,32 +81,6 @@ TEST(PredictiveScores, CoverageMatchesACaseWorkedByHand) {
   RowMatrix expected(2, 2);
   expected << 0.5, 0.5, 0.25, 0.25;
   EXPECT_EQ(coverage, expected);
-}
-
-// Uniform samples and observations: a band of level p holds p (n - 1) / (n + 1). The share has the
-// standard error of N = H T = 4000 trials; four of them: false-alarm rate 6e-5 for each of 15
-// comparisons, fixed seed.
-TEST(PredictiveScores, ACalibratedEnsembleCoversItsLevels) {
-  const Index n = 40;
-  Stream stream({3, "predictive_scores_test"});
-  std::vector<float> values(static_cast<std::size_t>(n) * 2 * 2000 * 3);
-  for (float& v : values) v = static_cast<float>(stream.uniform());
-  std::vector<RowMatrix> observed = constant(2, 2000, 3, 0.0);
-  for (RowMatrix& rollout : observed) {
-    for (double& y : rollout.reshaped()) y = stream.uniform();
-  }
-  const std::vector<double> levels = {0.1, 0.3, 0.5, 0.8, 0.9};
-  const RowMatrix coverage =
-      predictive_scores({values, n, 2, 2000, 3}, observed, RowMatrix::Ones(2, 3), levels).coverage;
-  ASSERT_EQ(coverage.rows(), 5);
-  for (Index l = 0; l < 5; ++l) {
-    const double level = levels[static_cast<std::size_t>(l)];
-    const double expected = level * (n - 1.0) / (n + 1.0);
-    const double error = std::sqrt(expected * (1.0 - expected) / 4000.0);
-    for (Index c = 0; c < 3; ++c) {
-      EXPECT_NEAR(coverage(l, c), expected, 4.0 * error) << level;
-    }
-  }
 }
 
 // Of white noise with these deviations (H, C).

@@ -1,6 +1,6 @@
 
-
 #include "analysis/report.h"
+#include "analysis/escape.h"
 #include "analysis/gnuplot.h"
 #include "analysis/report_script.h"
 #include "analysis/svg.h"
@@ -197,6 +197,14 @@ TEST(Svg, InliningMakesIdsTheFiguresOwn) {
             "<svg role=\"img\" aria-label=\"A &quot;plot&quot; &amp; more\" width='1'>"
             "<path id='f1-a'/><g id=\"f1-b\"/><use xlink:href='#f1-a'/><use href=\"#f1-b\"/>"
             "<g clip-path=\"url(#f1-a)\"/></svg>");
+}
+
+// Other cases are in tests/golden/text.txt.
+TEST(Escape, NoneLetsThroughWhatIsntPrintable) {
+  for (const auto& escape : {escape_html, escape_markdown, quote_csv}) {
+    EXPECT_EQ(escape("a\x1b\xF6\u202Eb"), "a\uFFFD\uFFFD\uFFFDb");
+  }
+  EXPECT_EQ(escape_latex("a\x1b\xF6\u202Eb"), "a???b");
 }
 
 }  // namespace

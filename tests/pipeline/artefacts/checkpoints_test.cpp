@@ -34,17 +34,6 @@ class DiagnosisCheckpoints : public FolderTest {
   Identity identity_{.key_document = {{"stage", "diagnose"}}, .inputs = {}, .study = {}};
 };
 
-TEST_F(DiagnosisCheckpoints, HoldWhatIsDone) {
-  const CalibrationRanks read = written_and_read(three_ranks());
-  EXPECT_EQ(read.num_samples, 50);
-  EXPECT_EQ(read.num_done, 3);
-  EXPECT_EQ(read.parameter, three_ranks().parameter.topRows(3));
-  EXPECT_EQ(read.density, three_ranks().density.head(3));
-  EXPECT_EQ(read.distance, three_ranks().distance.head(3));
-  EXPECT_EQ(read.theta, three_ranks().theta.topRows(3));
-  EXPECT_EQ(read.log_prob, three_ranks().log_prob.head(3));
-}
-
 TEST_F(DiagnosisCheckpoints, AreRejectedWhereTheyDontFit) {
   EXPECT_THROW(written_and_read(three_ranks(), 2), InputError) << "more than there are";
   EXPECT_THROW(written_and_read(three_ranks(), 5, 3), InputError) << "parameters";

@@ -1,6 +1,6 @@
-#include <set>
 
 #include "pipeline/config/study_json.h"
+
 #include "pipeline/config/study_keys.h"
 #include "pipeline/config/study_template.h"
 #include "pipeline/store/hostile_json.h"
@@ -12,52 +12,6 @@ namespace npdr::pipeline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Every path of a study's JSON down to the fields that study_keys() lists.
-void list_paths(const Json& json, const std::string& prefix, const std::vector<StudyKey>& keys,
-                std::vector<std::string>& paths) {
-  for (const auto& [key, value] : json.items()) {
-    const std::string path = prefix + key;
-    const bool listed =
-        std::any_of(keys.begin(), keys.end(), [&](const StudyKey& k) { return k.path == path; });
-    if (listed) {
-      paths.push_back(path);
-    } else if (!value.empty()) {
-      list_paths(value.is_array() ? value.front() : value, path + ".", keys, paths);
-    }
-  }
-}
-
-// Keys that exclude the truth and the simulator of the test's study, mean nothing to them, or have
-// no default.
-bool is_rival(const std::string& path) {
-  static const std::set<std::string> rivals = {"target.recording",
-                                               "target.observation",
-                                               "target.inputs",
-                                               "simulator.command",
-                                               "simulator.worker",
-                                               "simulator.library",
-                                               "simulator.mjcf",
-                                               "simulator.dataset",
-                                               "observation_noise.scale_prior",
-                                               "observation_noise.std",
-                                               "observation_noise.correlation",
-                                               "observation_noise.correlation_prior",
-                                               "observation_noise.degrees_of_freedom",
-                                               "observation_noise.degrees_of_freedom_prior"};
-  return rivals.contains(path) || path.starts_with("simulator.parameter.");
-}
-
-TEST(StudyJson, HoldsEveryFieldInTheOrderOfTheDescription) {
-  const std::vector<StudyKey> keys = study_keys();
-  std::vector<std::string> expected, found;
-  for (const StudyKey& key : keys) {
-    if (!is_rival(key.path)) expected.push_back(key.path);
-  }
-  const std::string text = std::string(kStudyText) + "\n[[reference]]\nname = 'measured'";
-  list_paths(to_json(parse_study(text, "s.toml")), "", keys, found);
-  EXPECT_EQ(found, expected);
-}
 
 TEST(StudyJson, WritesThePriorInOrderWithUnits) {
   EXPECT_EQ(to_json(parse_study(kStudyText, "s.toml"))["prior"].dump(),

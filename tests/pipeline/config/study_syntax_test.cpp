@@ -70,12 +70,6 @@ TEST_F(StudySyntax, HostileFilesAreRefused) {
   }
 }
 
-TEST_F(StudySyntax, QuotesOfLongValuesAreCut) {
-  EXPECT_EQ(quoted(std::string(100, 'a')), "'" + std::string(60, 'a') + "...'");
-  EXPECT_EQ(quoted("a\tb"), "'a?b'");
-  EXPECT_EQ(shortened(std::string(59, 'a') + "\xC3\xA9\xC3\xA9"), std::string(59, 'a') + "...");
-}
-
 TEST_F(StudySyntax, ManyDotsThatAreAllowedDontOverflowTheStack) {
   EXPECT_TRUE(has(problems_of(dotted(4'999) + "a = 1"), "unknown key 'a'"));
   std::string digits;  // as many dots as may look like a number's

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <set>
-#include <tuple>
 
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
@@ -188,41 +187,6 @@ TEST(Plan, ASelectionLeavesOutTheRest) {
   EXPECT_EQ(&plan.node_by_key(node.key.substr(0, 12)), &node);
   EXPECT_THROW(plan.node_by_key("x"), InputError);
   EXPECT_THROW(plan.node_by_key(""), InputError);  // all begin like this
-}
-
-// Everything that a study says of a program's parameters and goal changes rows, or what they are
-// judged by; units change nothing.
-TEST(Plan, WhatAStudySaysOfItsProgramIsInTheKeys) {
-  const std::string text =
-      StudyText("spring")
-          .with("target", {"truth = { a = 1.0 }"})
-          .with("simulator", {"worker = \"true\"", "states = [\"q\"]", "dt = 0.1", "num_steps = 9",
-                              "initial_states = [[0.0]]",
-                              "parameter = [{ name = \"a\", nominal = 1.0 }, { name = \"b\", "
-                              "nominal = 2.0, lower = 0.0, upper = 3.0, unit = \"m\" }]",
-                              "goal = { place = { q = 0.0 }, radius = 0.1 }"})
-          .with("evaluate", {"metrics = [\"rmse\", \"goal\"]"})
-          .with("prior", {"a = { uniform = [0.0, 2.0] }"})
-          .method("A", {"num_simulations = 100"});
-  const auto plan = [&](const std::string& from, const std::string& to) {
-    return make_plan(parse_study(edited(text, from, to), "s.toml"), WorkFolder("runs"));
-  };
-  const Plan before = plan("dt", "dt");
-  for (const auto& [from, to, changes_rows, changes_scores] :
-       {std::tuple{"nominal = 2.0", "nominal = 2.5", true, true},
-        {"lower = 0.0", "lower = 0.1", true, true},
-        {"upper = 3.0", "upper = 4.0", true, true},
-        {"unit = \"m\"", "unit = \"cm\"", false, false},
-        {"radius = 0.1", "radius = 0.2", false, true},
-        {"q = 0.0", "q = 0.5", false, true}}) {
-    const Plan after = plan(from, to);
-    for (const Stage stage : {Stage::simulate, Stage::target}) {
-      EXPECT_EQ(keys(after, stage) != keys(before, stage), changes_rows) << to;
-    }
-    for (const Stage stage : {Stage::evaluate, Stage::baseline}) {
-      EXPECT_EQ(keys(after, stage) != keys(before, stage), changes_scores) << to;
-    }
-  }
 }
 
 // The last round's posterior holds all that a population needs of the rounds before it.

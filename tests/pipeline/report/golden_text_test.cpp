@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "analysis/escape.h"
+#include "analysis/figure_layout.h"
 #include "analysis/latex_symbols.h"
 #include "analysis/number_text.h"
 #include "analysis/table.h"
@@ -63,6 +64,12 @@ std::string made_of(const std::string& function, const TextInput& in) {
       {"indices", [&] { return index_ranges(std::vector<Index>(n.begin(), n.end())); }},
       {"folder", [&] { return folder_slug(in.text); }},
       {"shell", [&] { return shell_text(split(in.text, '|')); }},
+      {"figure text in lines",
+       [&] { return join(analysis::wrap_text(in.rest, n.at(0), 10.0), "|"); }},
+      {"figure text", [&] { return analysis::elide_text(in.rest, n.at(0), 10.0); }},
+      {"quoted", [&] { return quoted(in.text); }},
+      {"shortened", [&] { return shortened(in.text); }},
+      {"fields of semicolons", [&] { return join(csv_fields(in.text, "x", ';'), "|"); }},
       {"hint of commas", [&] { return format_hint(in.text, {}); }},
       {"hint of semicolons",
        [&] {

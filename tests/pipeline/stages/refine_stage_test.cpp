@@ -66,6 +66,8 @@ struct GridResult {
   double log_evidence;
 };
 
+constexpr Index kSide = 150;  // of a grid, in points
+
 struct Box {
   Eigen::Array2d low, high;
 };
@@ -77,43 +79,9 @@ struct Grid {
   double cell;
 };
 
-class GridLikelihood {
- public:
-  GridLikelihood(const Plan& plan, const Node& node)
-      : plan_(plan),
-        observation_(plan.study, read_target(plan, node)),
-        likelihood_(observation_.noise(), observation_.states()),
-        simulator_(plan.source->open(
-            {.simulator = plan.study.simulator, .target = observation_.target()})) {}
-
-  Grid on(const Box& box) const {
-    constexpr Index side = 150;
-    const Eigen::Array2d step = (box.high - box.low) / static_cast<double>(side - 1);
-    Grid grid{RowMatrix(side * side, 2), Vector(side * side), step.prod()};
-    for (Index i = 0; i < grid.u.rows(); ++i) {
-      const Eigen::Array2d at(static_cast<double>(i / side), static_cast<double>(i % side));
-      grid.u.row(i) = (box.low + step * at).matrix().transpose();
-    }
-    const inference::Prior prior(plan_.study.prior);
-    const sim::Trajectories rows = simulator_->simulate(
-        plan_.source->parameters().complete(prior.to_theta(grid.u)), StreamId{});
-    for (Index i = 0; i < grid.u.rows(); ++i) {
-      grid.log_density(i) = likelihood_.log_likelihood(rows.row(i)) -
-                            0.5 * grid.u.row(i).squaredNorm() - std::log(2.0 * M_PI);
-    }
-    return grid;
-  }
-
- private:
-  const Plan& plan_;
-  Observation observation_;
-  sim::NoiseLikelihood likelihood_;
-  std::unique_ptr<RowSimulator> simulator_;
-};
-
 // Where a coarse grid isn't e^30 below its highest value, and its next points.
 Box narrowed(const Box& box, const Grid& coarse) {
-  const Eigen::Array2d step = (box.high - box.low) / 149.0;
+  const Eigen::Array2d step = (box.high - box.low) / static_cast<double>(kSide - 1);
   const double least = coarse.log_density.maxCoeff() - 30.0;
   Box result{box.high, box.low};
   for (Index i = 0; i < coarse.u.rows(); ++i) {
@@ -125,12 +93,31 @@ Box narrowed(const Box& box, const Grid& coarse) {
 }
 
 GridResult on_grid(const Plan& plan, const Node& node) {
-  const GridLikelihood likelihood(plan, node);
+  const Observation observation(plan.study, read_target(plan, node));
+  const sim::NoiseLikelihood likelihood(observation.noise(), observation.states());
+  const auto simulator =
+      plan.source->open({.simulator = plan.study.simulator, .target = observation.target()});
+  const inference::Prior prior(plan.study.prior);
+  const auto likelihood_on = [&](const Box& box) {
+    const Eigen::Array2d step = (box.high - box.low) / static_cast<double>(kSide - 1);
+    Grid grid{RowMatrix(kSide * kSide, 2), Vector(kSide * kSide), step.prod()};
+    for (Index i = 0; i < grid.u.rows(); ++i) {
+      const Eigen::Array2d at(static_cast<double>(i / kSide), static_cast<double>(i % kSide));
+      grid.u.row(i) = (box.low + step * at).matrix().transpose();
+    }
+    const sim::Trajectories rows =
+        simulator->simulate(plan.source->parameters().complete(prior.to_theta(grid.u)), StreamId{});
+    for (Index i = 0; i < grid.u.rows(); ++i) {
+      grid.log_density(i) = likelihood.log_likelihood(rows.row(i)) -
+                            0.5 * grid.u.row(i).squaredNorm() - std::log(2.0 * M_PI);
+    }
+    return grid;
+  };
   Box box{{-6.0, -6.0}, {6.0, 6.0}};
-  Grid grid = likelihood.on(box);
+  Grid grid = likelihood_on(box);
   for (int i = 0; i < 2; ++i) {
     box = narrowed(box, grid);
-    grid = likelihood.on(box);
+    grid = likelihood_on(box);
   }
   const double highest = grid.log_density.maxCoeff();
   const Vector weights = (grid.log_density.array() - highest).exp();
@@ -306,18 +293,6 @@ TEST_F(RefineStage, SimulationsThatFailAreCounted) {
   run_until(plan, Stage::report);
   const std::string report = text_of(folder_ / "runs/refine/report.html");
   EXPECT_TRUE(has(report, "count as impossible parameters"));
-}
-
-TEST_F(RefineStage, KeysDependOnWhatThePosteriorDoes) {
-  const auto key = [&](const std::vector<std::string>& overrides) {
-    return plan_of(study_with("scale = 0.2"), overrides).node(Stage::infer, {"Refined", 1, 1}).key;
-  };
-  for (const char* setting :
-       {"observation_noise.scale=0.3", "observation_noise.degrees_of_freedom=4",
-        "method.refine.likelihood_power=0.5",
-        "method.num_simulations=600"}) {  // of the method that it starts from
-    EXPECT_NE(key({setting}), key({})) << setting;
-  }
 }
 
 }  // namespace

@@ -11,11 +11,6 @@
 namespace npdr::pipeline {
 namespace {
 
-TEST(CsvLine, TheDelimiterSeparatesOutsideOfQuotes) {
-  EXPECT_EQ(csv_fields("1,5; \"a;b\" ;2", "x", ';'), (std::vector<std::string>{"1,5", "a;b", "2"}));
-  EXPECT_EQ(csv_fields("1\t\t2", "x", '\t'), (std::vector<std::string>{"1", "", "2"}));
-}
-
 TEST(CsvFormats, AreACommaASemicolonABarOrATabulator) {
   EXPECT_EQ(parse_csv_format(";", true).delimiter, ';');
   EXPECT_TRUE(parse_csv_format(";", true).decimal_comma);

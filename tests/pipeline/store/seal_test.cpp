@@ -1,6 +1,7 @@
 // What keeps damaged and hostile files out.
 
 #include "pipeline/store/seal.h"
+
 #include "core/error.h"
 #include "pipeline/store/artefact.h"
 #include "pipeline/store/hostile_json.h"
