@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
-#include "pipeline/report/inference_chains.h"
+#include "pipeline/plan/completeness.h"
 #include "pipeline/report/inference_data.h"
 
 namespace npdr::pipeline {
@@ -22,7 +22,7 @@ struct ExportArguments {
 
 void export_study(const ExportArguments& arguments) {
   const Plan plan = arguments.study.plan_here("npdr export");
-  const std::string method = find_chains(plan).method;
+  const std::string method = last_nodes_of_method(plan, Stage::evaluate).front().use.method;
   if (arguments.output.ends_with(".csv")) {
     throw InputError(arguments.output + ": would hold NetCDF; call it .nc");
   }
@@ -48,10 +48,7 @@ Action export_command(CLI::App& command) {
       "Example:\n"
       "  npdr export study.toml --only NPE -o out.nc   arviz.from_netcdf(\"out.nc\")\n"
       "Seeds are chains. What stands in the file: docs/python.md.");
-  return [arguments] {
-    export_study(*arguments);
-    return ExitStatus::done;
-  };
+  return done_after([arguments] { export_study(*arguments); });
 }
 
 }  // namespace npdr::pipeline

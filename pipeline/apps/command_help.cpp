@@ -61,18 +61,12 @@ Action help_command(CLI::App& command) {
   auto name = std::make_shared<std::string>();
   set_choices(*command.add_option("COMMAND", *name), names_of_commands());
   command.footer("Example:\n  npdr help run");
-  return [app = command.get_parent(), name] {
-    fmt::print("{}", help_of(*app, *name));
-    return ExitStatus::done;
-  };
+  return done_after([app = command.get_parent(), name] { fmt::print("{}", help_of(*app, *name)); });
 }
 
 Action man_command(CLI::App& command) {
   command.footer("Example:\n  npdr man > npdr.1 && man ./npdr.1");
-  return [app = command.get_parent()] {
-    fmt::print("{}", man_page(*app));
-    return ExitStatus::done;
-  };
+  return done_after([app = command.get_parent()] { fmt::print("{}", man_page(*app)); });
 }
 
 Action completion_command(CLI::App& command) {
@@ -81,10 +75,7 @@ Action completion_command(CLI::App& command) {
   command.footer(
       "Examples:\n  eval \"$(npdr completion bash)\"\n"
       "  npdr completion fish > ~/.config/fish/completions/npdr.fish");
-  return [shell] {
-    fmt::print("{}", completion_script(*shell));
-    return ExitStatus::done;
-  };
+  return done_after([shell] { fmt::print("{}", completion_script(*shell)); });
 }
 
 }  // namespace npdr::pipeline

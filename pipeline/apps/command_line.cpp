@@ -90,27 +90,35 @@ void add(Findings& all, Findings found, const std::string& where) {
 }  // namespace
 
 int guarded_main(const std::string& program, const std::function<ExitStatus()>& body) {
+  std::string message;
+  ExitStatus failure = ExitStatus::failed;
   try {
     const ExitStatus status = body();
     if (status == ExitStatus::done) flush_output();
     return static_cast<int>(status);
   } catch (const Error& error) {
-    report_error(program, error.what());
-    return static_cast<int>(error.status());
+    message = error.what();
+    failure = error.status();
   } catch (const std::filesystem::filesystem_error& error) {
-    report_error(program, file_error_text(error.path1(), "be looked at", error.code().value()));
-    return static_cast<int>(ExitStatus::failed);
+    message = file_error_text(error.path1(), "be looked at", error.code().value());
   } catch (const std::system_error& error) {
     // `npdr ... | head`: who closes the pipe has seen enough.
-    if (error.code() != std::errc::broken_pipe) report_error(program, error.what());
-    return static_cast<int>(ExitStatus::failed);
+    if (error.code() == std::errc::broken_pipe) return static_cast<int>(failure);
+    message = error.what();
   } catch (const std::bad_alloc&) {
-    report_error(program, "memory is used up; ask for less at once, or give it more");
-    return static_cast<int>(ExitStatus::failed);
+    message = "memory is used up; ask for less at once, or give it more";
   } catch (const std::exception& error) {
-    report_error(program, error.what());
-    return static_cast<int>(ExitStatus::failed);
+    message = error.what();
   }
+  report_error(program, message);
+  return static_cast<int>(failure);
+}
+
+Action done_after(std::function<void()> body) {
+  return [body = std::move(body)] {
+    body();
+    return ExitStatus::done;
+  };
 }
 
 void add_command(CLI::App& app, const Command& command, int& result) {
@@ -186,25 +194,19 @@ void StudyArguments::add_selection_to(CLI::App& app) {
 Plan StudyArguments::plan(const ClusterConfig& site) const {
   require_folder(work);
   Plan plan = make_plan(read_study(file, overrides, site), WorkFolder(work), {methods, seeds});
-  std::vector<std::string> command = {"npdr", "run"};
-  const auto study_words = words();
-  command.insert(command.end(), study_words.begin(), study_words.end());
-  plan.command = shell_text(command);
+  plan.words = words();
   return plan;
 }
 
 Plan StudyArguments::plan_here(const std::string& program) const {
   Plan plan = this->plan();
-  const std::filesystem::path there = std::filesystem::path(file).parent_path() / work;
+  const WorkFolder there((std::filesystem::path(file).parent_path() / work).string());
   std::error_code error;
-  const auto exists = [&](const WorkFolder& folder) {
-    return std::filesystem::exists(folder.study(plan.study.name), error);
-  };
-  if (!exists(plan.work) && exists(WorkFolder(there))) {
-    const std::vector<std::string> option = {"--work", there};
+  if (!std::filesystem::exists(plan.work.study(plan.study.name), error) &&
+      std::filesystem::exists(there.study(plan.study.name), error)) {
     report_warning(program,
                    fmt::format("no results of this study in {}, but in {}; to use those: {}", work,
-                               there.string(), shell_text(option)));
+                               there.root().string(), shell_text({"--work", there.root()})));
   }
   return plan;
 }
@@ -243,14 +245,13 @@ void print_warnings(const std::string& program, const Plan& plan) {
   report_findings(program, found);
 }
 
-void UntilOption::add_to(CLI::App& app, const std::string& purpose) {
-  set_choices(*app.add_option("--until", name, purpose), names_of<Stage>());
-}
-
-std::optional<Stage> UntilOption::stage() const {
-  if (name.empty()) return std::nullopt;
-  if (const auto stage = value_named<Stage>(name)) return stage;
-  throw InputError("--until: " + unknown_name("stage", name, names_of<Stage>()));
+void add_until_option(CLI::App& app, std::optional<Stage>& until, const std::string& doc) {
+  const auto parse = [&until](const std::string& name) {
+    until = value_named<Stage>(name);
+    if (until) return;
+    throw CLI::ValidationError("--until", unknown_name("stage", name, names_of<Stage>()));
+  };
+  set_choices(*app.add_option_function<std::string>("--until", parse, doc), names_of<Stage>());
 }
 
 void print_json(const nlohmann::ordered_json& json) {

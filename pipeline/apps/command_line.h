@@ -28,6 +28,8 @@ int guarded_main(const std::string& program, const std::function<ExitStatus()>& 
 
 /// What a command does, after its words are read.
 using Action = std::function<ExitStatus()>;
+/// One that is done when `body` returns.
+Action done_after(std::function<void()> body);
 
 /// A command of `npdr`.
 struct Command {
@@ -77,15 +79,8 @@ void print_warning(std::string what);
 /// Prints what in the plan's study is probably not what was meant, as "program: place: warning".
 void print_warnings(const std::string& program, const Plan& plan);
 
-/// --until STAGE.
-struct UntilOption {
-  std::string name;
-
-  /// `purpose`: what the stage is to the command.
-  void add_to(CLI::App& app, const std::string& purpose);
-  /// None without the option. Throws InputError for an unknown name.
-  std::optional<Stage> stage() const;
-};
+/// --until STAGE. `doc`: what the stage is to the command.
+void add_until_option(CLI::App& app, std::optional<Stage>& until, const std::string& doc);
 
 /// Prints a line, of which much is text from files.
 template <class... T>

@@ -18,20 +18,6 @@ void print_place(const std::string& what, const std::filesystem::path& path, boo
              is_there ? "" : "  (isn't there yet, or is of other settings: npdr run)");
 }
 
-// Posteriors of the last round and iteration, of a method and seed each.
-void print_posteriors(const Plan& plan) {
-  for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::infer) continue;
-    for (const Use& use : node.uses) {
-      const MethodConfig& method = plan.study.method(use.method);
-      const Index iterations = plan.study.num_iterations_of(method);
-      if (use.fold > 0 || use.round != method.algorithm.num_rounds) continue;
-      if (iterations > 1 && use.iteration != iterations) continue;
-      print_place("posterior", link_of(plan, node, use), is_complete(plan, node));
-    }
-  }
-}
-
 ExitStatus open_study(const StudyArguments& arguments, bool in_browser) {
   const Plan plan = arguments.plan_here("npdr open");
   const bool is_there = is_complete(plan, plan.nodes.back());
@@ -43,7 +29,9 @@ ExitStatus open_study(const StudyArguments& arguments, bool in_browser) {
   print_place("report", report_path(plan), is_there);
   print_place("tables", folder / "tables", is_there);
   print_place("figures", folder / "figures", is_there);
-  print_posteriors(plan);
+  for (const auto& [node, use] : last_nodes(plan, Stage::infer)) {
+    print_place("posterior", link_of(plan, *node, use), is_complete(plan, *node));
+  }
   return ExitStatus::done;
 }
 

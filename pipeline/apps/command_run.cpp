@@ -25,7 +25,7 @@ namespace {
 
 struct RunArguments {
   StudyArguments study;
-  UntilOption until;
+  std::optional<Stage> until;
   int num_jobs = num_cores();
   std::vector<std::string> artefacts;
   bool dry_run = false;
@@ -34,7 +34,7 @@ struct RunArguments {
 
 void print_commands(const Plan& plan, const SchedulerConfig& config) {
   for (const Node* node : missing_nodes(plan, config)) {
-    fmt::print("# {}\n{}\n", node->label(), shell_text(stage_command(config, *node)));
+    fmt::print("# {}\n{}\n", node->label(), shell_text(stage_command(plan, *node)));
   }
 }
 
@@ -78,16 +78,12 @@ void warn_of_another_run(const Plan& plan, const std::vector<const Node*>& missi
 }
 
 // What --only and --seeds left out, the report lacks.
-void print_selection(const StudyArguments& study) {
-  std::vector<std::string> options;
-  if (!study.methods.empty()) options.emplace_back("--only");
-  if (!study.seeds.empty()) options.emplace_back("--seeds");
-  if (options.empty()) return;
-  StudyArguments whole = study;
-  whole.methods.clear();
-  whole.seeds.clear();
-  print_line("report and tables hold what {} chose; all again: npdr run {}", join(options, " and "),
-             shell_text(whole.words()));
+void print_selection(StudyArguments study) {
+  if (study.methods.empty() && study.seeds.empty()) return;
+  study.methods.clear();
+  study.seeds.clear();
+  print_line("report and tables hold what --only and --seeds chose; all again: npdr run {}",
+             shell_text(study.words()));
 }
 
 std::vector<std::string> keys_of(const Plan& plan, const std::vector<std::string>& beginnings) {
@@ -108,7 +104,7 @@ void require_sound(const Plan& plan) {
 ExitStatus run(const RunArguments& arguments) {
   stop_with_parent();
   const Plan plan = arguments.study.plan_here("npdr run");
-  const SchedulerConfig config{arguments.num_jobs, arguments.until.stage(), arguments.study.words(),
+  const SchedulerConfig config{arguments.num_jobs, arguments.until,
                                keys_of(plan, arguments.artefacts)};
   if (arguments.dry_run) {
     print_commands(plan, config);
@@ -136,7 +132,7 @@ ExitStatus run(const RunArguments& arguments) {
 Action run_command(CLI::App& command) {
   auto arguments = std::make_shared<RunArguments>();
   arguments->study.add_to(command);
-  arguments->until.add_to(command, "the last stage to run");
+  add_until_option(command, arguments->until, "the last stage to run");
   command.add_option("-j,--jobs", arguments->num_jobs, "cores to use")
       ->capture_default_str()
       ->check(CLI::Range(1, 4096));

@@ -6,6 +6,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "core/finding.h"
+#include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/size_text.h"
 #include "pipeline/apps/verdict_lines.h"
@@ -29,22 +31,15 @@ struct Standing {
     if (process != 0 || (jobs && !jobs->running.empty())) return "running";
     if (jobs && !jobs->waiting.empty()) return "queued";
     if (jobs && !jobs->failed.empty()) return "failed";
-    return to_string(status.state);
+    return name_of(status.state);
   }
 
   std::string detail() const {
-    std::string text = status.detail;
-    const auto add = [&](const std::string& more) {
-      if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
-    };
-    if (process != 0) add(fmt::format("process {}", process));
-    if (!jobs) return text;
-    add(jobs->text());
-    if (!jobs->failed.empty()) add(jobs->failed.front());
-    if (jobs->failed.size() > 1) add(fmt::format("{} more failed", jobs->failed.size() - 1));
-    const auto helpers = std::ssize(jobs->failed_helpers);
-    if (helpers > 0) add(counted(helpers, "helper") + " failed, " + jobs->failed_helpers.front());
-    return text;
+    std::vector<std::string> parts = {status.detail};
+    if (process != 0) parts.push_back(fmt::format("process {}", process));
+    if (jobs) append(parts, jobs->details());
+    std::erase(parts, "");
+    return join(parts, "; ");
   }
 };
 
@@ -120,12 +115,10 @@ void print_table(const std::vector<Standing>& rows) {
     seconds += status.cost.wall_seconds;
     lines.print(row);
   }
-  std::string summary;
-  for (const auto& [state, count] : counts) {
-    summary += fmt::format("{}{} {}", summary.empty() ? "" : ", ", count, state);
-  }
-  fmt::print("\n{} artefacts: {}; {}, {:.1f} s of work\n", rows.size(), summary, size_text(bytes),
-             seconds);
+  std::vector<std::string> summary;
+  for (const auto& [state, count] : counts) summary.push_back(fmt::format("{} {}", count, state));
+  fmt::print("\n{} artefacts: {}; {}, {:.1f} s of work\n", rows.size(), join(summary),
+             size_text(bytes), seconds);
 }
 
 struct CostRow {
@@ -136,12 +129,11 @@ struct CostRow {
 };
 
 void add_cost(std::vector<CostRow>& costs, const std::string& name, const ArtefactStatus& status) {
-  auto cost =
-      std::find_if(costs.begin(), costs.end(), [&](const CostRow& c) { return c.name == name; });
-  if (cost == costs.end()) cost = costs.insert(costs.end(), {.name = name});
-  ++cost->artefacts;
-  cost->bytes += status.bytes;
-  cost->cost += status.cost;
+  auto row = std::ranges::find(costs, name, &CostRow::name);
+  if (row == costs.end()) row = costs.insert(costs.end(), {.name = name});
+  ++row->artefacts;
+  row->bytes += status.bytes;
+  row->cost += status.cost;
 }
 
 void print_costs(const std::string& what, const std::vector<CostRow>& costs) {
@@ -270,7 +262,7 @@ Action explain_command(CLI::App& command) {
     if (nodes.empty()) fmt::print("all {} artefacts are up to date\n", plan.nodes.size());
     for (const Node* node : nodes) {
       print_line("{} ({}): {}", node->label(), node->key.substr(0, 8),
-                 to_string(status_of(plan, *node).state));
+                 name_of(status_of(plan, *node).state));
       for (const std::string& line : reasons(plan, *node)) print_line("    {}", line);
     }
     return ExitStatus::done;

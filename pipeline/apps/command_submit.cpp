@@ -16,10 +16,8 @@
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/batch_task.h"
 #include "pipeline/cluster/cluster_status.h"
-#include "pipeline/cluster/doomed_jobs.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/cluster/ledger.h"
-#include "pipeline/cluster/submission_lock.h"
 #include "pipeline/cluster/submit.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_reader.h"
@@ -35,7 +33,7 @@ constexpr Index kUsualArraySize = 1001;  // Slurm's default
 
 struct SubmitArguments {
   StudyArguments study;
-  UntilOption until;
+  std::optional<Stage> until;
   std::string site;
   std::string mail;
   std::vector<std::string> options;
@@ -56,18 +54,10 @@ ClusterConfig read_site_file(const std::string& named) {
   return read_site(usual);
 }
 
-void require_value(const std::string& name, const std::string& value) {
-  const auto allowed = option_value();
-  if (!satisfies(value, allowed)) throw InputError(must_be(name, quoted(value), allowed.words));
-}
-
-void require_options(const std::string& name, const std::vector<std::string>& options) {
-  const auto allowed = options_constraint();
-  for (const std::string& option : options) {
-    if (!satisfies(std::vector{option}, allowed)) {
-      throw InputError(must_be(name, quoted(option), allowed.words));
-    }
-  }
+template <class T>
+void require(const std::string& option, const std::string& found, const T& value,
+             const Constraint<T>& allowed) {
+  if (!satisfies(value, allowed)) throw InputError(must_be(option, quoted(found), allowed.words));
 }
 
 std::string summary(const Plan& plan, const std::vector<Job>& jobs) {
@@ -167,18 +157,18 @@ std::vector<QueuedTask> submitted_tasks(const Plan& plan, const std::vector<Queu
   return tasks;
 }
 
-void submit_missing(const Plan& plan, const SubmitConfig& config) {
+void submit_missing(const Plan& plan, const SubmitArguments& arguments) {
   const Index given_size = plan.study.cluster.max_array_size;
-  const SubmissionLock lock(jobs_folder(plan));
+  const SubmissionLock lock(plan);
   const std::vector<QueuedTask> queued = sound_tasks(plan);
   const auto jobs =
-      missing_jobs(plan, config, queued, given_size > 0 ? given_size : max_array_size());
+      missing_jobs(plan, arguments.until, queued, given_size > 0 ? given_size : max_array_size());
   if (jobs.empty()) {
     fmt::print(
         "{}: nothing to submit, {}\n", plan.study.name,
         queued.empty() ? "all is up to date" : fmt::format("{} tasks wait or run", queued.size()));
   } else {
-    submit_jobs(plan, config, jobs,
+    submit_jobs(plan, jobs, arguments.options,
                 [&](const Job& job, const std::string& id) { print_job(plan, job, id); });
     fmt::print("{}; 'npdr status' shows how they stand\n", summary(plan, jobs));
     std::fflush(stdout);
@@ -188,19 +178,22 @@ void submit_missing(const Plan& plan, const SubmitConfig& config) {
 ExitStatus submit(SubmitArguments& arguments) {
   Plan plan = arguments.study.plan(read_site_file(arguments.site));
   if (!arguments.mail.empty()) plan.study.cluster.mail = arguments.mail;
-  require_value("--mail", arguments.mail);
-  require_options("--sbatch", arguments.options);
-  const SubmitConfig config{arguments.until.stage(), arguments.study.words(), arguments.options};
+  require("--mail", arguments.mail, arguments.mail, option_value());
+  for (const std::string& option : arguments.options) {
+    require("--sbatch", option, std::vector{option}, options_constraint());
+  }
   if (arguments.dry_run) {
     const Index given_size = plan.study.cluster.max_array_size;
-    const auto jobs = missing_jobs(plan, config, {}, given_size > 0 ? given_size : kUsualArraySize);
-    fmt::print("{}# {}; Slurm wasn't asked what it has already\n", dry_run_text(plan, config, jobs),
-               summary(plan, jobs));
+    const auto jobs =
+        missing_jobs(plan, arguments.until, {}, given_size > 0 ? given_size : kUsualArraySize);
+    fmt::print("{}# {}; Slurm wasn't asked what it has already\n",
+               dry_run_text(plan, jobs, arguments.options), summary(plan, jobs));
     return ExitStatus::done;
   }
   print_warnings("npdr submit", plan);
-  submit_missing(plan, config);
-  const ExitStatus status = arguments.wait ? wait_for_jobs(plan, config.until) : ExitStatus::done;
+  submit_missing(plan, arguments);
+  const ExitStatus status =
+      arguments.wait ? wait_for_jobs(plan, arguments.until) : ExitStatus::done;
   if (status == ExitStatus::done) print_verdicts_if_made(plan);
   return status;
 }
@@ -220,7 +213,7 @@ ExitStatus cancel(const StudyArguments& arguments) {
 Action submit_command(CLI::App& command) {
   auto arguments = std::make_shared<SubmitArguments>();
   arguments->study.add_to(command);
-  arguments->until.add_to(command, "the last stage to run");
+  add_until_option(command, arguments->until, "the last stage to run");
   command.add_option("--site", arguments->site,
                      "file with a table [cluster], for keys that the study leaves out; else that "
                      "of the variable NPDR_SITE, else jobs/site.toml");

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <map>
+#include <utility>
 
 #include "core/error.h"
 #include "core/text.h"
@@ -44,23 +44,19 @@ _npdr() {
 _npdr "$@"
 )sh"}};
 
-struct Offer {
-  std::string word;
-  std::string doc = {};
-};
-
-using Offers = std::vector<Offer>;
+// A word, and what is said of it.
+using Offers = std::vector<std::pair<std::string, std::string>>;
 
 Offers offered_words(const std::vector<std::string>& words) {
   Offers offers;
-  for (const std::string& word : words) offers.push_back({word});
+  for (const std::string& word : words) offers.emplace_back(word, "");
   return offers;
 }
 
 Offers offered_commands(const CLI::App& app) {
   Offers offers;
   for (const CLI::App* command : app.get_subcommands({})) {
-    offers.push_back({command->get_name(), command->get_description()});
+    offers.emplace_back(command->get_name(), command->get_description());
   }
   return offers;
 }
@@ -69,33 +65,30 @@ Offers offered_options(const CLI::App& command) {
   Offers offers;
   for (const CLI::Option* option : command.get_options()) {
     const std::string doc = option->get_description();
-    for (const std::string& name : option->get_lnames()) offers.push_back({"--" + name, doc});
-    for (const std::string& name : option->get_snames()) offers.push_back({"-" + name, doc});
+    for (const std::string& name : option->get_lnames()) offers.emplace_back("--" + name, doc);
+    for (const std::string& name : option->get_snames()) offers.emplace_back("-" + name, doc);
   }
   return offers;
 }
 
-// Of the study that the words name.
-Offers offered_methods(const std::vector<std::string>& words) {
-  const auto file =
-      std::ranges::find_if(words, [](const std::string& word) { return word.ends_with(".toml"); });
-  Offers offers;
-  if (file == words.end()) return offers;
-  for (const MethodConfig& method : read_study(*file, {}).methods) offers.push_back({method.name});
-  return offers;
-}
-
+// Of an option with methods: those of the study that the words name.
 Offers offered_values(const CLI::Option& option, const std::vector<std::string>& words) {
-  return option.check_name("--method") ? offered_methods(words) : offered_words(choices_of(option));
+  if (!option.check_name("--method")) return offered_words(choices_of(option));
+  Offers offers;
+  for (const std::string& word : words) {
+    if (!word.ends_with(".toml")) continue;
+    for (const MethodConfig& m : read_study(word, {}).methods) offers.emplace_back(m.name, "");
+    break;
+  }
+  return offers;
 }
 
 Offers offered_choices(const CLI::App& command) {
-  Offers offers;
   for (const CLI::Option* option : command.get_options()) {
-    const Offers choices = offered_words(choices_of(*option));
-    if (option->get_positional() && !choices.empty()) offers = choices;
+    const std::vector<std::string> choices = choices_of(*option);
+    if (option->get_positional() && !choices.empty()) return offered_words(choices);
   }
-  return offers;
+  return {};
 }
 
 Offers all_offers(const CLI::App& app, const std::vector<std::string>& words) {
@@ -107,8 +100,9 @@ Offers all_offers(const CLI::App& app, const std::vector<std::string>& words) {
   const std::string& before = words[words.size() - 2];
   const CLI::Option* option =
       before.starts_with('-') ? command.get_option_no_throw(before) : nullptr;
-  if (option != nullptr && option->get_items_expected_max() > 0)
+  if (option != nullptr && option->get_items_expected_max() > 0) {
     return offered_values(*option, words);
+  }
   return words.back().starts_with('-') ? offered_options(command) : offered_choices(command);
 }
 
@@ -127,10 +121,10 @@ std::string completion_script(const std::string& shell) {
 std::string completions(CLI::App& app, const std::vector<std::string>& words) {
   if (words.empty()) return "";
   std::string text;
-  for (const Offer& offer : all_offers(app, words)) {
-    if (!offer.word.starts_with(words.back())) continue;
-    const std::string doc = offer.doc.substr(0, offer.doc.find('\n'));
-    text += offer.word + (doc.empty() ? "" : "\t" + doc) + "\n";
+  for (const auto& [word, all_doc] : all_offers(app, words)) {
+    if (!word.starts_with(words.back())) continue;
+    const std::string doc = all_doc.substr(0, all_doc.find('\n'));
+    text += word + (doc.empty() ? "" : "\t" + doc) + "\n";
   }
   return text;
 }

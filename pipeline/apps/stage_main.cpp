@@ -44,47 +44,50 @@ void check_round(const Plan& plan, std::optional<Index> round) {
 
 // Those of the given numbers that the simulation has.
 std::vector<Index> its_shards(const Plan& plan, const Node& node, const std::vector<Index>& given) {
-  if (given.empty()) return {};
   std::vector<Index> numbers = given;
   const Index count = num_shards(plan, node);
   std::erase_if(numbers, [&](Index number) { return number >= count; });
   return numbers;
 }
 
-// Without a round, later rounds wait for the stages in between: only what is ready is run. When
-// nothing was, the first missing input is the error, or the first simulation without such shards.
-void run_missing(const Plan& plan, const std::string& program, const StageArguments& arguments,
-                 const std::vector<Index>& shard_numbers) {
-  const Node* first_waiting = nullptr;
-  const Node* first_smaller = nullptr;
-  bool any_has_shards = false;
-  Index num_run = 0;
+// Artefacts of the program's stages in their order, of which simulations have one of the shards.
+std::vector<const Node*> asked_nodes(const Plan& plan, const std::string& program,
+                                     std::optional<Index> round, const std::vector<Index>& shards) {
+  std::vector<const Node*> nodes;
+  const Node* smaller = nullptr;
   for (const StageTraits& stage : enum_table(Stage{})) {
     if (stage.program != program) continue;
     for (const Node& node : plan.nodes) {
-      if (node.stage != stage.value || !uses_round(node, arguments.round)) continue;
-      const bool has_shards =
-          shard_numbers.empty() || !its_shards(plan, node, shard_numbers).empty();
-      any_has_shards = any_has_shards || has_shards;
-      if (is_complete(plan, node)) {
-        settle(plan, node);
-      } else if (!has_shards) {
-        if (first_smaller == nullptr) first_smaller = &node;
-      } else if (has_inputs(plan, node)) {
-        run_stage(plan, node, its_shards(plan, node, shard_numbers));
-        ++num_run;
-        fmt::print("{}: {}\n", node.label(),
-                   is_complete(plan, node) ? node.path.string() : "shards done");
-        stop_here_if_requested();
-      } else if (first_waiting == nullptr) {
-        first_waiting = &node;
-      }
+      if (node.stage != stage.value || !uses_round(node, round)) continue;
+      const bool has_shards = shards.empty() || !its_shards(plan, node, shards).empty();
+      if (has_shards) nodes.push_back(&node);
+      if (!has_shards) smaller = &node;
     }
   }
-  if (num_run > 0) return;
-  if (!any_has_shards && first_smaller != nullptr) {
-    require_shard(plan, *first_smaller, shard_numbers.front());
+  if (nodes.empty() && smaller != nullptr) require_shard(plan, *smaller, shards.front());
+  return nodes;
+}
+
+// Without a round, later rounds wait for the stages in between: only what is ready is run. When
+// nothing was, the first missing input is the error.
+void run_missing(const Plan& plan, const std::string& program, const StageArguments& arguments,
+                 const std::vector<Index>& shards) {
+  const Node* first_waiting = nullptr;
+  bool any_run = false;
+  for (const Node* node : asked_nodes(plan, program, arguments.round, shards)) {
+    if (is_complete(plan, *node)) {
+      settle(plan, *node);
+    } else if (has_inputs(plan, *node)) {
+      run_stage(plan, *node, its_shards(plan, *node, shards));
+      any_run = true;
+      fmt::print("{}: {}\n", node->label(),
+                 is_complete(plan, *node) ? node->path.string() : "shards done");
+      stop_here_if_requested();
+    } else if (first_waiting == nullptr) {
+      first_waiting = node;
+    }
   }
+  if (any_run) return;
   if (first_waiting != nullptr) require_inputs(plan, *first_waiting);
   fmt::print("{}: nothing to do, all is up to date\n", program);
 }
@@ -109,11 +112,8 @@ void help(const Plan& plan, const StageArguments& arguments) {
         "without --shard and --round; 'npdr run STUDY --dry-run' lists all keys");
   }
   const Node& node = plan.node_by_key(arguments.key);
-  const bool was_complete = is_refinement(plan, node) && is_complete(plan, node);
   const Index num_rows = run_helper(plan, node, helper);
-  fmt::print("{}: {}\n", node.label(),
-             was_complete ? "is there already, no rows to help with"
-                          : fmt::format("helped with {} rows", num_rows));
+  fmt::print("{}: helped with {}\n", node.label(), counted(num_rows, "row"));
 }
 
 std::string description_of(const std::string& program) {

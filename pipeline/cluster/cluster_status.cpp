@@ -119,17 +119,24 @@ std::string examples(const std::vector<QueuedTask>& tasks, bool with_node) {
 
 }  // namespace
 
-std::string NodeJobs::text() const {
-  std::string text;
+std::vector<std::string> NodeJobs::details() const {
+  std::vector<std::string> now;
   if (!running.empty()) {
-    text = fmt::format("{} running ({})", running.size(), examples(running, true));
+    now.push_back(fmt::format("{} running ({})", running.size(), examples(running, true)));
   }
   if (!waiting.empty()) {
-    text += fmt::format("{}{} queued ({}: {})", text.empty() ? "" : ", ", waiting.size(),
-                        examples(waiting, false), waiting.front().reason);
+    now.push_back(fmt::format("{} queued ({}: {})", waiting.size(), examples(waiting, false),
+                              waiting.front().reason));
   }
-  if (num_helpers > 0 && !text.empty()) text += ", " + counted(num_helpers, "helper");
-  return text;
+  if (num_helpers > 0 && !now.empty()) now.push_back(counted(num_helpers, "helper"));
+  std::vector<std::string> parts = {join(now)};
+  if (!failed.empty()) parts.push_back(failed.front());
+  if (failed.size() > 1) parts.push_back(fmt::format("{} more failed", failed.size() - 1));
+  if (!failed_helpers.empty()) {
+    parts.push_back(counted(std::ssize(failed_helpers), "helper") + " failed, " +
+                    failed_helpers.front());
+  }
+  return parts;
 }
 
 std::vector<std::optional<NodeJobs>> jobs_of_nodes(

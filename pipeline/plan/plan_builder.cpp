@@ -35,6 +35,18 @@ void note(std::vector<std::size_t>& nodes, std::size_t added) {
   if (std::ranges::find(nodes, added) == nodes.end()) nodes.push_back(added);
 }
 
+// Adds inputs "name_1", "name_2", ..., without those before `first`.
+void add_numbered(std::string_view name, const std::vector<std::size_t>& nodes,
+                  std::vector<Input>& inputs, std::size_t first = 0) {
+  for (std::size_t i = first; i < nodes.size(); ++i) {
+    inputs.push_back({numbered(name, static_cast<Index>(i) + 1), nodes[i]});
+  }
+}
+
+std::optional<std::size_t> last_of(const std::vector<std::size_t>& nodes) {
+  return nodes.empty() ? std::nullopt : std::optional(nodes.back());
+}
+
 template <class T>
 bool is_among(const std::vector<T>& selected, const T& value) {
   return selected.empty() || std::ranges::find(selected, value) != selected.end();
@@ -54,12 +66,11 @@ PlanBuilder::PlanBuilder(Study study, const WorkFolder& work, const Selection& s
 
 void PlanBuilder::check_selection(const Selection& selection) const {
   for (const std::string& name : selection.methods) plan_.study.method(name);
+  const auto& known = plan_.study.seeds;
   for (const std::uint64_t seed : selection.seeds) {
-    const auto& known = plan_.study.seeds;
-    if (std::find(known.begin(), known.end(), seed) == known.end()) {
-      throw InputError(
-          fmt::format("seed {} is not among study.seeds = [{}]", seed, fmt::join(known, ", ")));
-    }
+    if (is_among(known, seed)) continue;
+    throw InputError(
+        fmt::format("seed {} is not among study.seeds = [{}]", seed, fmt::join(known, ", ")));
   }
 }
 
@@ -160,10 +171,7 @@ void PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
       add_judgments(method, use, seen, target, rounds, results);
     }
     if (!plan_.study.policy.is_used()) continue;
-    const auto posterior = rounds.posteriors.empty()
-                               ? std::nullopt
-                               : std::optional<std::size_t>(rounds.posteriors.back());
-    policy = add_policy(method, {method.name, seed, 0, i}, posterior, policy);
+    policy = add_policy(method, {method.name, seed, 0, i}, last_of(rounds.posteriors), policy);
     note(results.policies, *policy);
   }
   if (!policy) return;
@@ -195,11 +203,8 @@ PlanBuilder::Rounds PlanBuilder::add_rounds(const MethodConfig& method, Use use,
     return rounds;
   }
   for (use.round = 1; use.round <= method.algorithm.num_rounds; ++use.round) {
-    const auto previous = rounds.posteriors.empty()
-                              ? std::nullopt
-                              : std::optional<std::size_t>(rounds.posteriors.back());
     if (learns(method)) {
-      const std::size_t proposal = add_proposal(method, use, previous);
+      const std::size_t proposal = add_proposal(method, use, last_of(rounds.posteriors));
       rounds.simulations.push_back(add_simulation(method, use, target, proposal));
     }
     rounds.posteriors.push_back(
@@ -272,13 +277,9 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   if (algorithm.grows_in_last_round) json["is_last"] = use.round == method.algorithm.num_rounds;
   Inputs inputs = {{"target", target}};
   // A population has all that matters of the rounds before it.
-  for (std::size_t r = is_abc ? simulations.size() - 1 : 0; r < simulations.size(); ++r) {
-    inputs.push_back({numbered("simulation", static_cast<Index>(r) + 1), simulations[r]});
-  }
-  const std::size_t first = is_abc && !posteriors.empty() ? posteriors.size() - 1 : 0;
-  for (std::size_t r = first; r < posteriors.size(); ++r) {
-    inputs.push_back({numbered("posterior", static_cast<Index>(r) + 1), posteriors[r]});
-  }
+  add_numbered("simulation", simulations, inputs, is_abc ? simulations.size() - 1 : 0);
+  add_numbered("posterior", posteriors, inputs,
+               is_abc && !posteriors.empty() ? posteriors.size() - 1 : 0);
   return add(Stage::infer, json, use, inputs);
 }
 
@@ -335,9 +336,7 @@ std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& us
     inputs.push_back({"calibration", add_simulation(method, use, target, proposal)});
   }
   if (diagnose.has(Check::ood) || diagnose.has(Check::failures)) {
-    for (std::size_t r = 0; r < rounds.simulations.size(); ++r) {
-      inputs.push_back({numbered("simulation", static_cast<Index>(r) + 1), rounds.simulations[r]});
-    }
+    add_numbered("simulation", rounds.simulations, inputs);
   }
   return add(Stage::diagnose, json, use, inputs);
 }
@@ -346,15 +345,10 @@ void PlanBuilder::add_report(std::size_t target, std::size_t baseline, const Res
   Json json = key_document(kReportSchema);
   json["study"] = without_folders(study_json_);
   Inputs inputs = {{"baseline", baseline}};
-  const auto add_numbered = [&](const char* name, const std::vector<std::size_t>& nodes) {
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      inputs.push_back({numbered(name, static_cast<Index>(i) + 1), nodes[i]});
-    }
-  };
-  add_numbered("evaluation", results.evaluations);
-  add_numbered("diagnosis", results.diagnoses);
-  add_numbered("policy", results.policies);
-  add_numbered("policy_test", results.policy_tests);
+  add_numbered("evaluation", results.evaluations, inputs);
+  add_numbered("diagnosis", results.diagnoses, inputs);
+  add_numbered("policy", results.policies, inputs);
+  add_numbered("policy_test", results.policy_tests, inputs);
   const std::size_t report = add(Stage::report, json, {}, inputs);
   // It shows of the targets and posteriors, too, which may be gone while evaluations are there.
   std::vector<std::size_t>& needs = plan_.nodes[report].needs;

@@ -18,7 +18,15 @@ std::vector<Index> positions(const TargetConfig& target) {
   return positions;
 }
 
-void describe_truth(const Study& study, Json& json) {
+// Rollouts of the target: what was recorded of them, or how the truth is simulated.
+template <class Recorded>
+void describe_rollouts(const Study& study, const SourceKeys& keys, const Recorded& recorded,
+                       Json& json) {
+  if (study.target.recording || study.target.observation) {
+    json["content"] = content_hash(recorded());
+    return;
+  }
+  json["simulator"] = keys.truth;
   json["truth"] = *study.target.truth;
   json["num_rollouts"] = study.target.num_rollouts;
   json["seed"] = study.target.seed;
@@ -39,14 +47,11 @@ std::size_t PlanBuilder::add_target() {
     if (study.target.num_rollouts > 0) {
       plan_.target = plan_.target.first(study.target.num_rollouts + study.target.held_out);
     }
-    json["content"] =
-        content_hash(plan_.target.first(plan_.target.num_rollouts() - study.target.held_out));
-  } else if (study.target.observation) {
-    json["content"] = content_hash(plan_.target);
-  } else {
-    json["simulator"] = keys_.truth;
-    describe_truth(study, json);
   }
+  const auto seen = [&] {
+    return plan_.target.first(plan_.target.num_rollouts() - study.target.held_out);
+  };
+  describe_rollouts(study, keys_, seen, json);
   return add(Stage::target, json, {}, {});
 }
 
@@ -56,13 +61,10 @@ std::optional<std::size_t> PlanBuilder::add_held_out() {
   if (study.target.held_out == 0) return std::nullopt;
   Json json = key_document(kTargetSchema);
   json["held_out"] = study.target.held_out;
-  if (study.target.recording) {
-    json["content"] =
-        content_hash(plan_.target.after(plan_.target.num_rollouts() - study.target.held_out));
-  } else {
-    json["simulator"] = keys_.truth;
-    describe_truth(study, json);
-  }
+  const auto rest = [&] {
+    return plan_.target.after(plan_.target.num_rollouts() - study.target.held_out);
+  };
+  describe_rollouts(study, keys_, rest, json);
   return add(Stage::held_out, json, {}, {});
 }
 
@@ -71,14 +73,12 @@ PlanBuilder::Fold PlanBuilder::add_fold(Index fold) {
   const auto add_part = [&](Stage stage, Target (*part)(const Study&, const Target&, Index)) {
     Json json = key_document(kTargetSchema);
     if (stage == Stage::held_out) json["held_out"] = "fold";
-    if (study.target.recording) {
+    const auto recorded = [&] {
       const Index num_seen = plan_.target.num_rollouts() - study.target.held_out;
-      json["content"] = content_hash(part(study, plan_.target.first(num_seen), fold));
-    } else {
-      json["simulator"] = keys_.truth;
-      describe_truth(study, json);
-      json["fold"] = {fold, study.evaluate.leave_out};
-    }
+      return part(study, plan_.target.first(num_seen), fold);
+    };
+    describe_rollouts(study, keys_, recorded, json);
+    if (!study.target.recording) json["fold"] = {fold, study.evaluate.leave_out};
     return add(stage, json, {.fold = fold}, {});
   };
   return {add_part(Stage::target, &without_fold), add_part(Stage::held_out, &of_fold)};

@@ -6,11 +6,16 @@
 #include "pipeline/plan/completeness.h"
 
 namespace npdr::pipeline {
+namespace {
+
+const std::string kAnyMethod = "(any)";
+
+}  // namespace
 
 RunCosts::RunCosts(const Plan& plan) : plan_(plan) {
   for (const Node& node : plan.nodes) {
     if (node.stage == Stage::report || !is_complete(plan, node)) continue;
-    if (by_method_.contains({node.stage, node.uses.front().method})) continue;
+    if (means_.contains({node.stage, node.uses.front().method})) continue;
     try {
       learn(node, read_artefact_info(node.path).provenance.cost.core_seconds);
     } catch (const Error&) {
@@ -24,18 +29,19 @@ double RunCosts::size_of(const Node& node) const {
 }
 
 void RunCosts::learn(const Node& node, double core_seconds) {
-  for (Mean* mean : {&by_method_[{node.stage, node.uses.front().method}], &by_stage_[node.stage]}) {
-    mean->sum += core_seconds;
-    mean->count += size_of(node);
+  for (const std::string& method : {node.uses.front().method, kAnyMethod}) {
+    Mean& mean = means_[{node.stage, method}];
+    mean.sum += core_seconds;
+    mean.count += size_of(node);
   }
 }
 
 std::optional<double> RunCosts::expected(const Node& node) const {
-  const auto same = by_method_.find({node.stage, node.uses.front().method});
-  if (same != by_method_.end()) return size_of(node) * same->second.sum / same->second.count;
-  const auto similar = by_stage_.find(node.stage);
-  if (similar == by_stage_.end()) return std::nullopt;
-  return size_of(node) * similar->second.sum / similar->second.count;
+  for (const std::string& method : {node.uses.front().method, kAnyMethod}) {
+    const auto known = means_.find({node.stage, method});
+    if (known != means_.end()) return size_of(node) * known->second.sum / known->second.count;
+  }
+  return std::nullopt;
 }
 
 void WorkLeft::add(Stage stage, std::optional<double> core_seconds) {

@@ -27,12 +27,10 @@ class RunCosts {
     double sum = 0.0;
     double count = 0.0;
   };
-  using Kind = std::pair<Stage, std::string>;
   double size_of(const Node& node) const;
 
   const Plan& plan_;
-  std::map<Kind, Mean> by_method_;
-  std::map<Stage, Mean> by_stage_;
+  std::map<std::pair<Stage, std::string>, Mean> means_;  // by method, and of all of them
 };
 
 /// What is left of a run, artefact by artefact.
