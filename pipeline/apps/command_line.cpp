@@ -254,6 +254,16 @@ void add_until_option(CLI::App& app, std::optional<Stage>& until, const std::str
   set_choices(*app.add_option_function<std::string>("--until", parse, doc), names_of<Stage>());
 }
 
+std::string size_text(std::uintmax_t bytes) {
+  if (bytes < 1024) return fmt::format("{} B", bytes);
+  auto value = static_cast<double>(bytes);
+  for (const char* unit : {"KiB", "MiB", "GiB"}) {
+    value /= 1024.0;
+    if (value < 1024.0) return fmt::format("{:.1f} {}", value, unit);
+  }
+  return fmt::format("{:.1f} TiB", value / 1024.0);
+}
+
 void print_json(const nlohmann::ordered_json& json) {
   constexpr auto replace = nlohmann::ordered_json::error_handler_t::replace;
   const std::string text = json.dump(2, ' ', false, replace);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
@@ -87,6 +88,9 @@ template <class... T>
 void print_line(fmt::format_string<T...> format, T&&... values) {
   fmt::print("{}\n", printable_line(fmt::format(format, std::forward<T>(values)...)));
 }
+
+/// "512 B", "3.4 KiB", "1.2 GiB".
+std::string size_text(std::uintmax_t bytes);
 
 /// Prints `json` for programs: bytes of file names that aren't UTF-8 are replaced, all but ASCII is
 /// escaped where any of it isn't printable.

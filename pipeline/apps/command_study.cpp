@@ -10,7 +10,6 @@
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/new_study.h"
-#include "pipeline/apps/size_text.h"
 #include "pipeline/apps/trial_rows.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/check.h"

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <iterator>
 #include <memory>
 #include <set>
 #include <thread>
@@ -144,35 +143,34 @@ std::vector<QueuedTask> sound_tasks(const Plan& plan) {
   return without_jobs(queued, doomed);
 }
 
-// Those that make anything of the study as it is now, or as it was when they were submitted.
-std::vector<QueuedTask> submitted_tasks(const Plan& plan, const std::vector<QueuedTask>& queued) {
+// Tasks in Slurm that make anything of the study as it is now, or as it was when they were
+// submitted.
+std::vector<QueuedTask> submitted_tasks(const Plan& plan) {
   std::set<std::pair<std::string, std::string>> known;
   for (const LedgerEntry& entry : read_ledger(plan)) known.emplace(entry.job, entry.tag.text());
-  std::vector<QueuedTask> tasks = tasks_of(plan, queued);
-  std::set<std::string> ids;
-  for (const QueuedTask& task : tasks) ids.insert(task.id());
-  std::ranges::copy_if(queued, std::back_inserter(tasks), [&](const QueuedTask& task) {
-    return known.contains({task.job, task.comment}) && !ids.contains(task.id());
+  std::vector<QueuedTask> tasks = queued_tasks();
+  for (const QueuedTask& task : tasks_of(plan, tasks)) known.emplace(task.job, task.comment);
+  std::erase_if(tasks, [&](const QueuedTask& task) {
+    return !known.contains({task.job, task.comment});
   });
   return tasks;
 }
 
 void submit_missing(const Plan& plan, const SubmitArguments& arguments) {
-  const Index given_size = plan.study.cluster.max_array_size;
   const SubmissionLock lock(plan);
   const std::vector<QueuedTask> queued = sound_tasks(plan);
+  const Index given_size = plan.study.cluster.max_array_size;
   const auto jobs =
       missing_jobs(plan, arguments.until, queued, given_size > 0 ? given_size : max_array_size());
   if (jobs.empty()) {
-    fmt::print(
+    return fmt::print(
         "{}: nothing to submit, {}\n", plan.study.name,
         queued.empty() ? "all is up to date" : fmt::format("{} tasks wait or run", queued.size()));
-  } else {
-    submit_jobs(plan, jobs, arguments.options,
-                [&](const Job& job, const std::string& id) { print_job(plan, job, id); });
-    fmt::print("{}; 'npdr status' shows how they stand\n", summary(plan, jobs));
-    std::fflush(stdout);
   }
+  submit_jobs(plan, jobs, arguments.options,
+              [&](const Job& job, const std::string& id) { print_job(plan, job, id); });
+  fmt::print("{}; 'npdr status' shows how they stand\n", summary(plan, jobs));
+  std::fflush(stdout);
 }
 
 ExitStatus submit(SubmitArguments& arguments) {
@@ -200,7 +198,7 @@ ExitStatus submit(SubmitArguments& arguments) {
 
 ExitStatus cancel(const StudyArguments& arguments) {
   const Plan plan = arguments.plan();
-  const std::vector<QueuedTask> tasks = submitted_tasks(plan, queued_tasks());
+  const std::vector<QueuedTask> tasks = submitted_tasks(plan);
   std::set<std::string> jobs;
   for (const QueuedTask& task : tasks) jobs.insert(task.job);
   if (!jobs.empty()) cancel_in_slurm({jobs.begin(), jobs.end()});

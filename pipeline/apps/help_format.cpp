@@ -22,19 +22,18 @@ bool has_many_choices(const CLI::Option& option) {
   return choices_of(option).size() > kMostChoices;
 }
 
-std::vector<std::string> options_of(const CLI::App& command) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  return names;
-}
-
-// CLI11 lists all words that it has no place for.
+// CLI11 lists all words that it has no place for, and says that a command is missing where one is
+// unknown.
 std::string cause_of(const CLI::App& command, const CLI::Error& error) {
+  std::vector<std::string> commands, options;
+  for (const CLI::App* below : command.get_subcommands({})) commands.push_back(below->get_name());
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  }
   for (const std::string& word : command.remaining()) {
     const std::string name = word.substr(0, word.find('='));
-    if (name.starts_with("--")) return unknown_name("option", name, options_of(command));
+    if (name.starts_with("--")) return unknown_name("option", name, options);
+    if (!commands.empty()) return unknown_name("command", word, commands);
   }
   return error.what();
 }

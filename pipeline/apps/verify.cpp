@@ -186,17 +186,6 @@ Study study_of(const std::filesystem::path& path, const ArtefactInfo& info,
                    ": its rows are those of a dataset; only simulations can be recomputed");
 }
 
-// Does what documents of the file say: who can't learns from which file that comes.
-template <class Follow>
-auto followed(const std::filesystem::path& path, const Follow& follow) {
-  try {
-    return follow();
-  } catch (const InputError& error) {
-    throw InputError(path.string() +
-                     ": what its key document and study say can't be done: " + error.what());
-  }
-}
-
 void check_shape(const std::filesystem::path& path, const Study& study, const StoredRows& rows) {
   const bool gives_motion = study.source().gives_motion;
   const std::size_t rank = gives_motion ? 4 : 2;
@@ -226,16 +215,14 @@ Verification verify_simulation(const std::filesystem::path& path, const Artefact
     first.round = static_cast<std::uint64_t>(count_of(proposed.file.path, document, "round"));
     first.row = static_cast<std::uint64_t>(proposed.begin);
   }
-  const auto source = followed(path, [&] { return make_source(study); });
-  const auto simulator = followed(
-      path, [&] { return source->open({.simulator = study.simulator, .target = target}); });
-
+  const auto source = make_source(study);
+  const auto simulator = source->open({.simulator = study.simulator, .target = target});
   return look_at_rows(rows.values.num_rows(), options, [&](Index row) {
     StreamId id = first;
     id.row += static_cast<std::uint64_t>(row);
     const RowMatrix theta = row_of<double>(rows.theta, row);
-    const sim::Trajectories again = followed(
-        path, [&] { return simulator->simulate(source->parameters().complete(theta.row(0)), id); });
+    const sim::Trajectories again =
+        simulator->simulate(source->parameters().complete(theta.row(0)), id);
     return same(again.values, row_of<float>(rows.values, row)) &&
            as_bytes(again.status).front() == row_of<std::uint8_t>(rows.status, row)(0) &&
            theta == proposed.theta(row);
@@ -251,8 +238,7 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
     throw InputError(path.string() +
                      ": its rows come from a posterior; only those of the prior can be recomputed");
   }
-  const auto marginals = prior_from_json(document.at("prior"), path.string());
-  const inference::Prior prior = followed(path, [&] { return inference::Prior(marginals); });
+  const inference::Prior prior(prior_from_json(document.at("prior"), path.string()));
   const h5::Dataset theta = file.dataset("theta");
   theta.require_shape({-1, prior.dimension()});
   const Use use{"", info.identity.seed, count_of(path, document, "round", 1),
@@ -308,6 +294,12 @@ Verification verify(const std::filesystem::path& given, const VerifyOptions& opt
   const ArtefactInfo info = read_artefact_info(path);
   try {
     return verify_rows(path, info, options);
+  } catch (const InputError& error) {
+    // Who can't do what documents of the file say, learns from which file that comes.
+    const std::string message = error.what();
+    if (message.starts_with(path.string())) throw;
+    throw InputError(path.string() +
+                     ": what its key document and study say can't be done: " + message);
   } catch (const nlohmann::json::exception& error) {
     const std::string message = error.what();
     throw InputError(path.string() + ": its key document or study isn't what stage '" +

@@ -11,10 +11,10 @@
 #include <cstring>
 #include <filesystem>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/shell_text.h"
 #include "core/stop_request.h"
-#include "core/temporary_folder.h"
 #include "pipeline/cluster/slurm.h"
 #include "pipeline/cluster/task_log.h"
 #include "pipeline/process/batch_job.h"
@@ -88,16 +88,17 @@ bool ran_out_of_time(int status) {
 
 int run_batch_task(const std::vector<std::string>& command) {
   watch_for_stop_requests();
-  const TemporaryFolder folder("npdr-task", "programs of the task leave a mark there");
-  // Appears when a program of the task has made something.
-  const std::filesystem::path mark = folder.path() / "mark";
+  // A file that appears when a program of the task has made something.
+  const std::filesystem::path mark =
+      temporary_name(std::filesystem::temp_directory_path() / "npdr-task");
   setenv(kTaskMark, mark.c_str(), 1);
   say(begin_line(slurm_task_id(), command));
   const auto start_time = Clock::now();
   const int status = wait_for(start(command));
   const std::chrono::duration<double> elapsed = Clock::now() - start_time;
+  const bool any_made = unlink(mark.c_str()) == 0;
   const bool is_out_of_time = !slurm_task_id().empty() && ran_out_of_time(status);
-  if (is_out_of_time && !std::filesystem::exists(mark) && !is_first_attempt()) {
+  if (is_out_of_time && !any_made && !is_first_attempt()) {
     say("npdr task: nothing got done within the time limit of an attempt that isn't the first; "
         "raise 'time' in the study's [cluster], or lower simulate.shard_size");
     say(end_line(static_cast<int>(ExitStatus::failed), elapsed.count()));

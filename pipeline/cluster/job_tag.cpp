@@ -20,6 +20,14 @@ constexpr std::size_t kKeyDigits = 16;  // enough for all artefacts of all studi
 constexpr std::size_t kWorkDigits = 12;
 constexpr std::string_view kMaker = "npdr", kHelper = "npdr-help";
 
+// Digits that tell this work folder from others, the same from every machine that calls it the
+// same.
+std::string work_digits(const WorkFolder& work) {
+  Hasher hasher;
+  hasher.add(std::filesystem::weakly_canonical(std::filesystem::absolute(work.root())).string());
+  return hasher.hex().substr(0, kWorkDigits);
+}
+
 std::map<std::string, std::size_t> nodes_by_key(const Plan& plan) {
   std::map<std::string, std::size_t> nodes;
   for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
@@ -82,12 +90,6 @@ std::optional<JobTag> parse_tag(const std::string& comment) {
   const auto shards_per_task = parse_count(parts[3]), first_task = parse_count(parts[4]);
   if (!shards_per_task || !first_task) return std::nullopt;
   return JobTag{parts[1], split(parts[2], ','), *shards_per_task, *first_task, parts[0] == kHelper};
-}
-
-std::string work_digits(const WorkFolder& work) {
-  Hasher hasher;
-  hasher.add(std::filesystem::weakly_canonical(std::filesystem::absolute(work.root())).string());
-  return hasher.hex().substr(0, kWorkDigits);
 }
 
 std::vector<InFlight> in_flight(const Plan& plan, const std::vector<QueuedTask>& tasks) {

@@ -28,10 +28,6 @@ JobTag tag_of(const Plan& plan, const Job& job);
 /// Reads a comment; none: the job isn't one of ours.
 std::optional<JobTag> parse_tag(const std::string& comment);
 
-/// Digits that tell this work folder from others, the same from every machine that calls it the
-/// same.
-std::string work_digits(const WorkFolder& work);
-
 /// For each node of the plan, what of `tasks` makes it, or helps to.
 std::vector<InFlight> in_flight(const Plan& plan, const std::vector<QueuedTask>& tasks);
 

@@ -123,18 +123,12 @@ std::vector<QueuedTask> queued_tasks() {
 }
 
 std::vector<QueuedTask> parse_queued_tasks(const std::string& line) {
-  std::vector<std::string> fields;
-  std::size_t begin = 0;
-  constexpr std::size_t before_comment = 5;
-  while (fields.size() < before_comment) {
-    const std::size_t end = line.find('|', begin);
-    if (end == std::string::npos) return {};
-    fields.push_back(line.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  if (!parse_count(fields[0])) return {};
-  const QueuedTask job{fields[0], std::nullopt, fields[2],
-                       fields[3], fields[4],    line.substr(begin)};
+  const std::vector<std::string> fields = split(line + '|', '|');  // the last may be empty
+  constexpr std::ptrdiff_t before_comment = 5;
+  if (std::ssize(fields) <= before_comment || !parse_count(fields[0])) return {};
+  const QueuedTask job{fields[0], std::nullopt,
+                       fields[2], fields[3],
+                       fields[4], join({fields.begin() + before_comment, fields.end()}, "|")};
   std::vector<QueuedTask> tasks;
   for (const Index index : parse_indices(fields[1])) {
     tasks.push_back(job);

@@ -12,13 +12,14 @@ std::string counts(const RunProgress& run) {
   return fmt::format("{} of {} artefacts", run.num_made, run.num_missing);
 }
 
-}  // namespace
-
+// "01:24, 00:31 left"; "01:24" where what is left isn't known, or nothing.
 std::string time_text(const RunProgress& run) {
   const std::string passed = clock_text(run.seconds);
   if (run.seconds_left.value_or(0.0) <= 0.0) return passed;
   return passed + ", " + clock_text(*run.seconds_left) + " left";
 }
+
+}  // namespace
 
 std::string silence_text(double seconds) {
   constexpr double usual = 60.0;

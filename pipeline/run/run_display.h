@@ -20,9 +20,6 @@ struct RunProgress {
   std::vector<std::string> jobs = {};  ///< "infer NPE, seed 1, round 1: 120 epochs, loss 1.2", ...
 };
 
-/// "01:24, 00:31 left"; "01:24" where what is left isn't known, or nothing.
-std::string time_text(const RunProgress& run);
-
 /// ", nothing new for 02:15", of a job that may hang; "" before a minute is over.
 std::string silence_text(double seconds);
 

@@ -197,16 +197,13 @@ void Scheduler::wait_for_news() {
 }
 
 void Scheduler::collect_ended_jobs() {
-  for (auto job = jobs_.begin(); job != jobs_.end();) {
-    if (!job->process.has_ended()) {
-      ++job;
-      continue;
-    }
-    job->process.read_progress();
-    end_of(*job);
-    free_slots_ += job->threads;
-    job = jobs_.erase(job);
-  }
+  std::erase_if(jobs_, [&](Job& job) {
+    if (!job.process.has_ended()) return false;
+    job.process.read_progress();
+    end_of(job);
+    free_slots_ += job.threads;
+    return true;
+  });
 }
 
 void Scheduler::end_of(const Job& job) {
@@ -292,13 +289,7 @@ std::string Scheduler::job_text(const Job& job) const {
     text += unit_of(plan_, node);
   }
   if (!state.note.empty()) text += ", " + state.note;
-  const std::string silence = silence_text(job.process.silence());
-  // Training calls no simulator.
-  const bool may_wait =
-      !silence.empty() && plan_.study.source().runs_users_code() && uses_threads(plan_, node);
-  return text + silence +
-         (may_wait ? fmt::format(" (simulator.time_limit: {} s)", plan_.study.external.time_limit)
-                   : "");
+  return text + silence_text(job.process.silence());
 }
 
 void Scheduler::show_progress(bool force) {
