@@ -1,59 +1,27 @@
 #include "pipeline/apps/command_line.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "core/error.h"
-#include "core/file_error.h"
 #include "core/printable.h"
 #include "core/shell_text.h"
 #include "core/text.h"
-#include "pipeline/apps/help_format.h"
 #include "pipeline/artefacts/feature_file.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/config/study_warnings.h"
 #include "pipeline/import/recording_warnings.h"
 #include "pipeline/plan/report_marker.h"
-#include "pipeline/process/build_info.h"
 #include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
-
-// Flushes explicitly: a write that fails only at exit would be lost without a word.
-void flush_output() {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
-  throw std::system_error(errno, std::generic_category(), "can't write to standard output");
-}
-
-// Where a launcher has closed a standard stream, a file of ours would get its number, and what is
-// printed with it. Nothing can be read from these, or written to them.
-void fill_standard_streams() {
-  int file = -1;
-  do {
-    file = open("/dev/null", O_RDONLY | O_CLOEXEC);
-  } while (file >= 0 && file <= STDERR_FILENO);
-  if (file >= 0) close(file);
-}
-
-// Signals that a launcher may have left in another way than we need them.
-void choose_signals() {
-  std::signal(SIGCHLD, SIG_DFL);  // or no child could be waited for
-  std::signal(SIGPIPE, SIG_IGN);  // who read the progress may die before the work is saved
-  std::signal(SIGXFSZ, SIG_IGN);  // the write that goes beyond 'ulimit -f' fails, and is reported
-}
 
 // Commands that only read would find every artefact missing below a file.
 void require_folder(const std::string& work) {
@@ -88,66 +56,6 @@ void add(Findings& all, Findings found, const std::string& where) {
 }
 
 }  // namespace
-
-int guarded_main(const std::string& program, const std::function<ExitStatus()>& body) {
-  std::string message;
-  ExitStatus failure = ExitStatus::failed;
-  try {
-    const ExitStatus status = body();
-    if (status == ExitStatus::done) flush_output();
-    return static_cast<int>(status);
-  } catch (const Error& error) {
-    message = error.what();
-    failure = error.status();
-  } catch (const std::filesystem::filesystem_error& error) {
-    message = file_error_text(error.path1(), "be looked at", error.code().value());
-  } catch (const std::system_error& error) {
-    // `npdr ... | head`: who closes the pipe has seen enough.
-    if (error.code() == std::errc::broken_pipe) return static_cast<int>(failure);
-    message = error.what();
-  } catch (const std::bad_alloc&) {
-    message = "memory is used up; ask for less at once, or give it more";
-  } catch (const std::exception& error) {
-    message = error.what();
-  }
-  report_error(program, message);
-  return static_cast<int>(failure);
-}
-
-Action done_after(std::function<void()> body) {
-  return [body = std::move(body)] {
-    body();
-    return ExitStatus::done;
-  };
-}
-
-void add_command(CLI::App& app, const Command& command, int& result) {
-  CLI::App* added = app.add_subcommand(command.name, command.doc);
-  const std::string program = fmt::format("npdr {}", command.name);
-  added->callback([&result, program, action = command.add_to(*added)] {
-    result = guarded_main(program, action);
-  });
-}
-
-bool parse_command_line(CLI::App& app, int argc, char** argv, int& status) {
-  fill_standard_streams();
-  choose_signals();
-  app.set_version_flag("--version", fmt::format("npdr {} ({})", creator_version(), git_revision()));
-  const auto formatter = std::make_shared<HelpFormatter>();
-  app.formatter(formatter);
-  for (CLI::App* command : app.get_subcommands({})) command->formatter(formatter);
-  app.failure_message(words_of_failure);
-  try {
-    app.parse(argc, argv);
-    return true;
-  } catch (const CLI::ParseError& error) {
-    // Help and version are no errors, but output.
-    status = guarded_main(app.get_name(), [&] {
-      return app.exit(error) != 0 ? ExitStatus::invalid_input : ExitStatus::done;
-    });
-    return false;
-  }
-}
 
 void set_choices(CLI::Option& option, const std::vector<std::string>& choices) {
   option.type_name("{" + join(choices, ",") + "}");

@@ -10,7 +10,6 @@
 
 #include "core/parallel.h"
 #include "core/shell_text.h"
-#include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/plan/completeness.h"
@@ -32,26 +31,14 @@ struct RunArguments {
   bool strict = false;
 };
 
-void print_commands(const Plan& plan, const SchedulerConfig& config) {
-  for (const Node* node : missing_nodes(plan, config)) {
-    fmt::print("# {}\n{}\n", node->label(), shell_text(stage_command(plan, *node)));
-  }
-}
-
-// Those of the study's main tables that there are: without simulations there is no fit.
-std::vector<std::filesystem::path> main_tables(const Plan& plan) {
+// The study's main tables, as far as there are any, what its checks say, and where the rest is;
+// returns whether any check failed. The command that made them all stands below the last one.
+bool print_results(const Plan& plan) {
   std::vector<std::filesystem::path> paths;
   for (const char* name : {"parameters.md", "fit.md", "policy.md"}) {
     paths.push_back(plan.work.study(plan.study.name) / "tables" / name);
+    if (!std::filesystem::exists(paths.back())) paths.pop_back();
   }
-  std::erase_if(paths, [](const auto& path) { return !std::filesystem::exists(path); });
-  return paths;
-}
-
-// The main tables, what the study's checks say, and where the rest is; returns whether any check
-// failed. The command that made them all stands below the last one.
-bool print_results(const Plan& plan) {
-  const std::vector<std::filesystem::path> paths = main_tables(plan);
   const auto columns = terminal_columns();
   for (const std::filesystem::path& path : paths) {
     std::ifstream table(path);
@@ -86,12 +73,6 @@ void print_selection(StudyArguments study) {
              shell_text(study.words()));
 }
 
-std::vector<std::string> keys_of(const Plan& plan, const std::vector<std::string>& beginnings) {
-  std::vector<std::string> keys;
-  for (const std::string& beginning : beginnings) keys.push_back(plan.node_by_key(beginning).key);
-  return keys;
-}
-
 // Where nothing is made, nothing reads what was damaged after it was made.
 void require_sound(const Plan& plan) {
   for (const Node& node : plan.nodes) {
@@ -104,14 +85,18 @@ void require_sound(const Plan& plan) {
 ExitStatus run(const RunArguments& arguments) {
   stop_with_parent();
   const Plan plan = arguments.study.plan_here("npdr run");
-  const SchedulerConfig config{arguments.num_jobs, arguments.until,
-                               keys_of(plan, arguments.artefacts)};
+  SchedulerConfig config{.num_jobs = arguments.num_jobs, .until = arguments.until};
+  for (const std::string& key : arguments.artefacts) {
+    config.artefacts.push_back(plan.node_by_key(key).key);
+  }
+  const std::vector<const Node*> missing = missing_nodes(plan, config);
   if (arguments.dry_run) {
-    print_commands(plan, config);
+    for (const Node* node : missing) {
+      fmt::print("# {}\n{}\n", node->label(), shell_text(stage_command(plan, *node)));
+    }
     return ExitStatus::done;
   }
   print_warnings("npdr run", plan);
-  const std::vector<const Node*> missing = missing_nodes(plan, config);
   warn_of_another_run(plan, missing);
   if (missing.empty()) {
     require_sound(plan);

@@ -38,7 +38,7 @@ std::string Node::label() const {
   return text;
 }
 
-std::string Plan::command() const { return "npdr run " + shell_text(words); }
+std::string Plan::command() const { return words.empty() ? "" : "npdr run " + shell_text(words); }
 
 const Node& Plan::node(Stage stage, const Use& use) const {
   for (const Node& candidate : nodes) {

@@ -75,7 +75,7 @@ struct Plan {
   std::vector<std::string> words;  ///< that name the study to a program: file, --set, ...
   std::vector<Node> nodes;
 
-  /// The command that makes all of it, for people.
+  /// The command that makes all of it, for people; empty without words.
   std::string command() const;
   /// The node of a stage for one use. Throws InputError when there is none.
   const Node& node(Stage stage, const Use& use) const;

@@ -146,14 +146,13 @@ void compare(const std::string& path, const Json& now, const Json& before,
                               shortened_from_difference(other, one)));
 }
 
-// Reads shards to the end; they have checksums of their own.
-void check_shards(const std::vector<fs::path>& shards) {
-  for (const fs::path& shard : shards) {
-    try {
-      read_artefact_info(shard);
-    } catch (const DamagedFile& error) {
-      throw DamagedFile(std::string(error.what()) + "; remove this shard, too");
-    }
+// Reads a shard that is there to the end; shards have checksums of their own.
+void check_shard(const fs::path& shard) {
+  if (!fs::exists(shard)) return;
+  try {
+    read_artefact_info(shard);
+  } catch (const DamagedFile& error) {
+    throw DamagedFile(std::string(error.what()) + "; remove this shard, too");
   }
 }
 
@@ -175,16 +174,8 @@ void check_artefact(const Plan& plan, const Node& node, Scrutiny scrutiny, Artef
     status.cost = info.provenance.cost;
   }
   if (scrutiny == Scrutiny::quick) return;
-  check_shards(shards);
+  for (const fs::path& shard : shards) check_shard(shard);
   content_digest(node.path);
-}
-
-std::vector<fs::path> present_shards(const Plan& plan, const Node& node) {
-  std::vector<fs::path> present;
-  for (const Shard& shard : shards(plan, node)) {
-    if (fs::exists(shard.path)) present.push_back(shard.path);
-  }
-  return present;
 }
 
 // Where the log of its jobs is, those of earlier versions included; empty: none said anything.
@@ -202,7 +193,7 @@ void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, Artefact
     return;
   }
   if (scrutiny == Scrutiny::thorough && node.stage == Stage::simulate) {
-    check_shards(present_shards(plan, node));
+    for (const Shard& shard : shards(plan, node)) check_shard(shard.path);
   }
   const std::optional<std::string> part = partial_detail(plan, node);
   status.detail = part.value_or("");

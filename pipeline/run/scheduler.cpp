@@ -13,7 +13,6 @@
 #include "core/stop_request.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/run/run_display.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -13,7 +13,7 @@
 #include "pipeline/process/child_process.h"
 #include "pipeline/process/live_lines.h"
 #include "pipeline/run/failure_words.h"
-#include "pipeline/run/run_costs.h"
+#include "pipeline/run/run_progress.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {

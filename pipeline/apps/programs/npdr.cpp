@@ -63,7 +63,7 @@ std::vector<const Node*> asked_nodes(const Plan& plan, const std::string& progra
       if (node.stage != stage.value || !uses_round(node, round)) continue;
       const bool has_shards = shards.empty() || !its_shards(plan, node, shards).empty();
       if (has_shards) nodes.push_back(&node);
-      if (!has_shards) smaller = &node;
+      if (!has_shards && smaller == nullptr) smaller = &node;
     }
   }
   if (nodes.empty() && smaller != nullptr) require_shard(plan, *smaller, shards.front());
