@@ -85,18 +85,18 @@ void require_sound(const Plan& plan) {
 ExitStatus run(const RunArguments& arguments) {
   stop_with_parent();
   const Plan plan = arguments.study.plan_here("npdr run");
-  SchedulerConfig config{.num_jobs = arguments.num_jobs, .until = arguments.until};
+  SchedulerConfig config{arguments.num_jobs, arguments.until, {}};
   for (const std::string& key : arguments.artefacts) {
     config.artefacts.push_back(plan.node_by_key(key).key);
   }
-  const std::vector<const Node*> missing = missing_nodes(plan, config);
   if (arguments.dry_run) {
-    for (const Node* node : missing) {
+    for (const Node* node : missing_nodes(plan, config)) {
       fmt::print("# {}\n{}\n", node->label(), shell_text(stage_command(plan, *node)));
     }
     return ExitStatus::done;
   }
   print_warnings("npdr run", plan);
+  const std::vector<const Node*> missing = missing_nodes(plan, config);
   warn_of_another_run(plan, missing);
   if (missing.empty()) {
     require_sound(plan);

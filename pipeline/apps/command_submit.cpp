@@ -95,16 +95,16 @@ bool pause(std::chrono::milliseconds length) {
 void print_failures(const Plan& plan, std::optional<Stage> until) {
   const auto jobs = jobs_of_nodes(plan, std::vector<QueuedTask>{});
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    if (!jobs[i]) continue;
-    for (const std::string& failure : jobs[i]->failed) {
-      report_error("npdr submit", fmt::format("{} failed: {}", plan.nodes[i].label(), failure));
+    const Node& node = plan.nodes[i];
+    std::vector<std::string> failures;
+    if (jobs[i]) failures = jobs[i]->failed;
+    if (node.stage == Stage::simulate && is_complete(plan, node)) {
+      const ArtefactStatus status = status_of(plan, node);
+      if (status.state == ArtefactState::failed) failures.push_back(status.detail);
     }
-  }
-  for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::simulate || !is_complete(plan, node)) continue;
-    const ArtefactStatus status = status_of(plan, node);
-    if (status.state != ArtefactState::failed) continue;
-    report_error("npdr submit", fmt::format("{} failed: {}", node.label(), status.detail));
+    for (const std::string& failure : failures) {
+      report_error("npdr submit", fmt::format("{} failed: {}", node.label(), failure));
+    }
   }
   const auto missing = missing_nodes(plan, until);
   if (missing.empty()) return;

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <map>
 #include <optional>
 
 #include "core/error.h"
@@ -119,21 +118,11 @@ void help(const Plan& plan, const StageArguments& arguments) {
 }
 
 std::string description_of(const std::string& program) {
-  static const std::map<std::string, std::string> all = {
-      {"npdr-propose",
-       "Draws the parameters of a round's simulations, from the prior or the last posterior."},
-      {"npdr-simulate",
-       "Simulates the proposed parameters in shards, and joins them when all are there."},
-      {"npdr-infer", "Trains the density estimator of a round: simulations to posterior."},
-      {"npdr-evaluate",
-       "Simulates posterior samples and measures how well they fit the target domain."},
-      {"npdr-diagnose",
-       "Checks posteriors: their calibration, and whether the observation is like what was "
-       "simulated."},
-      {"npdr-policy",
-       "Searches for policies under a study's posteriors, and tests them in the target domain."},
-      {"npdr-report", "Writes tables, figures and report.html of a study."}};
-  return all.at(program);
+  std::vector<std::string> stages;
+  for (const StageTraits& stage : enum_table(Stage{})) {
+    if (stage.program == program) stages.emplace_back(stage.name);
+  }
+  return "Makes what a study lacks of the stage " + join(stages, " or ") + ".";
 }
 
 // Whether a stage's executable has that name (plan/stage.h).
