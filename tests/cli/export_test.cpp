@@ -117,13 +117,14 @@ TEST_F(Export, SaysWhatIsMissing) {
   std::ofstream(folder_.path() / "study.toml") << small_study();
   const Outcome several = npdr({"export", "study.toml", "-o", "out.nc"});
   EXPECT_EQ(several.status, 2);
-  EXPECT_TRUE(says(several.err, {"npdr export: study 'small' evaluates posteriors of 2 methods",
-                                 "--only: NPDR (MAF), NPDR (MoG)"}));
+  EXPECT_TRUE(says(several.err, {"npdr export: small: 2 methods have posteriors ",
+                                 "(NPDR (MAF), NPDR (MoG))", "--method"}));
   const Outcome early = npdr({"export", "study.toml", "-o", "out.nc", "--only", "NPDR (MAF)"});
   EXPECT_EQ(early.status, 2);
   EXPECT_TRUE(
-      says(early.err, {"npdr export: evaluate NPDR (MAF), seed 1, round 2: isn't made yet; first:",
-                       "npdr run study.toml --only 'NPDR (MAF)'"}));
+      says(early.err,
+           {"npdr export: evaluate NPDR (MAF), seed 1, round 2: isn't there yet; run it first:",
+            "npdr run study.toml --only 'NPDR (MAF)'"}));
   EXPECT_FALSE(fs::exists(folder_ / "out.nc"));
 }
 

@@ -90,7 +90,7 @@ TEST_F(Helpers, GiveTheSameBits) {
   expect_same_bits("two");
   const Outcome late = run(folder_.path(), help("1/1", "two"));
   EXPECT_EQ(late.status, 0);
-  EXPECT_TRUE(has(late.out, "is there already, no rows to help with"));
+  EXPECT_TRUE(has(late.out, "helped with 0 rows"));
 }
 
 TEST_F(Helpers, WaitForWhatTheRefinementNeeds) {

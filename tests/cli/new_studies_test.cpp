@@ -29,7 +29,7 @@ TEST_F(NewStudies, FitWhatTheyAreFor) {
     const std::string study = std::string("by") + option + ".toml", text = text_of(folder_ / study);
     const Outcome validated = npdr({"validate", study});
     EXPECT_EQ(validated.status, 0) << text;
-    EXPECT_TRUE(has(validated.out, "\nmarked EDIT, as npdr new wrote them: lines 8, 12, "));
+    EXPECT_TRUE(has(validated.out, "\nstill marked EDIT, as npdr new wrote: lines 8, 12, "));
     EXPECT_TRUE(has(text, "shard_size = 200"));
   }
   EXPECT_EQ(npdr({"new", "both", "--worker", "a", "--library", "b"}).status, 2);

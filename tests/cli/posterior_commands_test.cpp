@@ -44,7 +44,7 @@ TEST_F(PosteriorCommands, SamplesOfAStudyArePooledOverItsSeeds) {
   const Outcome none = npdr({"sample", "small.toml"});
   EXPECT_EQ(none.status, 2);
   EXPECT_TRUE(has(none.err,
-                  "2 methods infer (NPDR (MAF), NPDR (MoG)), must be one: choose it by "
+                  "2 methods have posteriors (NPDR (MAF), NPDR (MoG)), must be one: choose it by "
                   "--method"));
   std::vector<std::string> two = words;
   two.insert(two.end(), {"--set", "study.seeds=[1, 2]"});

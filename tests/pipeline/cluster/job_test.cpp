@@ -4,7 +4,6 @@
 #include <fstream>
 
 #include "core/text.h"
-#include "pipeline/cluster/doomed_jobs.h"
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/config/study_reader.h"
@@ -288,7 +287,7 @@ TEST_F(HelperJobs, RunTheirPartOfTheRefinement) {
   const auto jobs = make_jobs(input());
   const auto helpers = helpers_of(jobs);
   ASSERT_EQ(helpers.size(), 1u);
-  const ScriptContext context{plan_, {"s.toml"}, "/here", "/programs", "/logs"};
+  const ScriptContext context{plan_, "/here", "/programs", "/logs"};
   const std::string script = job_script(context, helpers.front());
   EXPECT_TRUE(
       has(script, {"--job-name=npdr-small-help\n", "--cpus-per-task=5\n", "/help-infer-refined",

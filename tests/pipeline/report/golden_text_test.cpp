@@ -17,7 +17,7 @@
 #include "pipeline/process/fitted_text.h"
 #include "pipeline/process/live_lines.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/run/run_display.h"
+#include "pipeline/run/run_progress.h"
 #include "pipeline/store/csv_line.h"
 #include "tests/golden_file.h"
 

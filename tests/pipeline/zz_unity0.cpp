@@ -1,8 +1,0 @@
-#include "/tmp/wt/tests1/tests/pipeline/apps/command_line_test.cpp"
-#include "/tmp/wt/tests1/tests/pipeline/apps/verify_test.cpp"
-#include "/tmp/wt/tests1/tests/pipeline/artefacts/asked_rows_file_test.cpp"
-#include "/tmp/wt/tests1/tests/pipeline/artefacts/checkpoints_test.cpp"
-#include "/tmp/wt/tests1/tests/pipeline/artefacts/feature_file_test.cpp"
-#include "/tmp/wt/tests1/tests/pipeline/artefacts/layout_test.cpp"
-#include "/tmp/wt/tests1/tests/pipeline/artefacts/particle_file_test.cpp"
-#include "/tmp/wt/tests1/tests/pipeline/artefacts/posterior_file_test.cpp"
