@@ -109,9 +109,8 @@ TEST(PolicyPlan, OnlyWhatDependsOnAKeyChangesWithIt) {
 
 TEST(PolicyPlan, MoreIterationsKeepWhatIsThere) {
   const Plan before = loop_of(), after = loop_of({"method.online.num_iterations=4"});
-  for (const Index iteration : {1, 2, 3}) {
-    EXPECT_EQ(after.node(Stage::policy, {"online", 1, 0, iteration}).key,
-              before.node(Stage::policy, {"online", 1, 0, iteration}).key);
+  for (const std::string& key : keys(before, Stage::policy)) {
+    EXPECT_EQ(keys(after, Stage::policy).count(key), 1u);
   }
 }
 
@@ -162,13 +161,10 @@ class RecordingPlan : public FolderTest {
   }
 };
 
-TEST_F(RecordingPlan, AFloorIsSearchedForRecordingsOnly) {
+TEST_F(RecordingPlan, HasAFloorAndTheRolloutsThatTheStudyPicks) {
   const std::string without = "evaluate.floor=false";
   EXPECT_EQ(keys(plan_of({without}), Stage::baseline), keys(plan_of(), Stage::baseline));
   EXPECT_NE(keys(plan({without}), Stage::baseline), keys(plan({}), Stage::baseline));
-}
-
-TEST_F(RecordingPlan, AStudyPicksRolloutsOfItsRecording) {
   EXPECT_EQ(names_of(plan({"target.rollouts=[2, 1]"}).target), "secondfirst");
 }
 

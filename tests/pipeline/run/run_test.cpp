@@ -81,6 +81,8 @@ TEST(RunDisplay, HasABarAndALineForEachJobForWhichThereIsRoom) {
 
 TEST(FailureWords, TellACauseOnce) {
   FailureWords words;
+  EXPECT_EQ(words.tell("infer", 75, {"stopped on request"}, {"logs/0.log"}),
+            "npdr: infer stopped (exit status 75):\n    stopped on request\n    log: logs/0.log\n");
   EXPECT_EQ(words.tell("simulate", 1, {"sim failed for each of 32 rows: KeyError", "  in a.log"},
                        {"logs/1.log"}),
             "npdr: simulate failed (exit status 1):\n"
@@ -95,11 +97,6 @@ TEST(FailureWords, TellACauseOnce) {
   EXPECT_EQ(words.tell("infer", 2, {"posterior_2.h5: is damaged", "  in a.log"}, {"logs/4.log"}),
             "npdr: infer failed (exit status 2):\n    posterior_2.h5: is damaged\n"
             "    log: logs/4.log\n");
-}
-
-TEST(FailureWords, OfAJobThatWasStoppedSaySo) {
-  EXPECT_EQ(FailureWords().tell("infer", 75, {"stopped on request"}, {"logs/1.log"}),
-            "npdr: infer stopped (exit status 75):\n    stopped on request\n    log: logs/1.log\n");
 }
 
 TEST(FailureWords, AreTheEndOfTheLogWhereAJobSaysNothing) {
