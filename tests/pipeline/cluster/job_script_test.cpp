@@ -69,7 +69,6 @@ TEST_F(JobScripts, OfOtherStagesRunTheirArtefacts) {
              "exec /opt/npdr/npdr task -- /opt/npdr/npdr run 'my study.toml' \\\n  --artefact "}));
 }
 
-// Messages are in tests/golden/config.txt.
 TEST(ClusterTable, TakesASitesKeysForDefaults) {
   ClusterConfig site;
   site.account = "lab";

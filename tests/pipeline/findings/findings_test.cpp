@@ -138,7 +138,6 @@ TEST_F(Verdicts, TheErrorOfAnExactPosteriorIsNeverFarAboveTheFloor) {
   }
 }
 
-// Others are in tests/golden/report.txt.
 class Contradictions : public Verdicts {
  protected:
   EvaluatedRun& add_run_of(const std::string& method, double mean) {

@@ -52,7 +52,6 @@ TEST_F(ExternalStudies, HaveDefaultsOfTheirOwn) {
       << "without noise";
 }
 
-// Keys.EveryFieldAffectsAnArtefactOrSaysThatItDoesNot has all settings.
 TEST_F(ExternalStudies, SimulationsOfThePriorKnowNothingOfTheTarget) {
   const auto key_of = [&](const std::vector<std::string>& overrides = {}) {
     return plan_of(overrides).node(Stage::simulate, {"A", 1, 1}).key;
