@@ -180,7 +180,7 @@ TEST(HostileText, IsTextFromTheRecordingToTheJobs) {
   npdr({"import", names[1], "--states", "theta [rad],theta_dot [rad/s]", "--actions",
         channel + " [N m]", "-o", "r\x1b\n.h5"});
   const Outcome refused =
-      npdr({"new", "broken", "--recording", "r\x1b\n.h5", "--worker", worker}, 2);
+      npdr(2, {"new", "broken", "--recording", "r\x1b\n.h5", "--worker", worker});
   EXPECT_TRUE(has(refused.err, "--recording = 'r"));
   EXPECT_FALSE(std::filesystem::exists(folder / "broken.toml"));
 }

@@ -30,22 +30,17 @@ TEST_F(OwnSimulators, ALibraryFindsTheTruth) {
   const Outcome listed = npdr({"list", "simulators", "library.toml"});
   EXPECT_TRUE(has(listed.out, "stiffness")) << listed.err;
   EXPECT_TRUE(has(listed.out, "N s/m"));
-  const Outcome outcome = npdr(small("library.toml"));
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_TRUE(has(outcome.out, {"RMSE", "DTW dist.", "nominal", "truth"}));
+  EXPECT_TRUE(has(npdr(0, small("library.toml")).out, {"RMSE", "DTW dist.", "nominal", "truth"}));
   EXPECT_TRUE(fs::exists(runs("spring-library") / "figures"));
   // The deviation of the posterior is around 1 N/m: five of them are more than any seed misses.
   const RowMatrix theta = samples("spring-library", 1);
   EXPECT_NEAR(theta.col(0).mean(), 24.0, 5.0);
 
   const fs::path simulated = runs("spring-library") / "npe/seed-1/round-1/simulate.h5";
-  const Outcome refused = npdr({"verify", simulated.string()});
-  EXPECT_EQ(refused.status, 2);
-  EXPECT_TRUE(says(refused.err,
+  EXPECT_TRUE(says(npdr(2, {"verify", simulated.string()}).err,
                    {"npdr verify: ", "the library \"" + (folder_ / "spring.so").string() + "\"",
                     "add --run-command"}));
-  const Outcome verified = npdr({"verify", simulated.string(), "--run-command"});
-  EXPECT_EQ(verified.status, 0) << verified.err;
+  npdr(0, {"verify", simulated.string(), "--run-command"});
   const Outcome again =
       npdr({"run", "library.toml", "--dry-run", "--set", "method.num_simulations=400", "--set",
             "method.num_rounds=1", "--set", "method.training.max_epochs=60", "--set",
@@ -60,9 +55,8 @@ TEST_F(OwnSimulators, ALibraryIsVerifiedFromAnyFolder) {
   for (const char* file : {"library.toml", "spring.so"}) {
     fs::rename(folder_ / file, folder_ / "sub" / file);
   }
-  const Outcome outcome = npdr(
-      {"run", "sub/library.toml", "--until", "simulate", "--set", "method.num_simulations=100"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  npdr(0,
+       {"run", "sub/library.toml", "--until", "simulate", "--set", "method.num_simulations=100"});
   const fs::path simulated = runs("spring-library") / "npe/seed-1/round-1/simulate.h5";
   for (const fs::path& folder : {folder_.path(), folder_ / "sub", fs::path("/")}) {
     const Outcome verified = run(folder, {"npdr", "verify", simulated.string(), "--run-command"});
@@ -84,8 +78,7 @@ TEST_F(OwnSimulators, AWorkerGivesWhatTheLibraryGives) {
     std::vector<std::string> words = {"run",      study + ".toml", "--until",
                                       "simulate", "--set",         "method.num_simulations=100"};
     if (study == "worker") words.insert(words.end(), {"--set", worker});
-    const Outcome outcome = npdr(words);
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    npdr(0, words);
   }
   const auto states = [&](const std::string& study) {
     return h5::File::open(runs(study) / "npe/seed-1/round-1/simulate.h5")
@@ -156,11 +149,9 @@ def simulate(theta, first_state, actions, dt, rng):
 npdr_worker.serve(simulate)
 )py");
   for (const std::string program : {"batch", "single"}) {
-    const Outcome outcome =
-        npdr({"run", "worker.toml", "--until", "simulate", "--work", program, "--set",
-              "method.num_simulations=70", "--set", "simulator.segment_length=125", "--set",
-              "simulator.worker='" + python + " " + program + ".py'"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    npdr(0, {"run", "worker.toml", "--until", "simulate", "--work", program, "--set",
+             "method.num_simulations=70", "--set", "simulator.segment_length=125", "--set",
+             "simulator.worker='" + python + " " + program + ".py'"});
     auto x = h5::File::open(folder_ / program / "spring-worker/npe/seed-1/round-1/simulate.h5")
                  .dataset("trajectories")
                  .read<float>();
@@ -185,10 +176,9 @@ def simulate(theta, first_state, actions, dt, rng):
 npdr_worker.serve(simulate)
 )py");
   const auto simulated = [&] {
-    const Outcome outcome = npdr(
-        {"run", "worker.toml", "--until", "simulate", "--set", "method.num_simulations=70", "--set",
-         "simulator.files=['constants.py']", "--set", "simulator.worker='" + python + " sim.py'"});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    npdr(0, {"run", "worker.toml", "--until", "simulate", "--set", "method.num_simulations=70",
+             "--set", "simulator.files=['constants.py']", "--set",
+             "simulator.worker='" + python + " sim.py'"});
     return fs::canonical(runs("spring-worker") / "npe/seed-1/round-1/simulate.h5");
   };
   const fs::path before = simulated();
@@ -222,10 +212,9 @@ npdr_worker.serve(simulate)
     folder_.file(folder + "sim.py", program);
   }
   const auto said = [&](const std::string& worker, const std::string& files) {
-    const Outcome outcome =
-        npdr({"run", "worker.toml", "--until", "simulate", "--set", "method.num_simulations=70",
-              "--set", "simulator.files=" + files, "--set", "simulator.worker='" + worker + "'"});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const Outcome outcome = npdr(
+        0, {"run", "worker.toml", "--until", "simulate", "--set", "method.num_simulations=70",
+            "--set", "simulator.files=" + files, "--set", "simulator.worker='" + worker + "'"});
     return outcome.err;
   };
   const std::string here = python + " sim.py", below = "cd model && " + python + " sim.py";
@@ -254,9 +243,8 @@ awk -F, -v steps=$steps 'NR == 1 { for (i = 1; i <= NF; ++i) c[$i] = i; next }
   const std::string worker = "worker = \"python3 spring.py\"";
   text.replace(text.find(worker), worker.size(), "command = \"sh sim.sh\"");
   folder_.file("command.toml", text);
-  const Outcome outcome = npdr({"run", "command.toml", "--until", "simulate", "--set",
-                                "method.num_simulations=70", "--set", "method.num_rounds=1"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  npdr(0, {"run", "command.toml", "--until", "simulate", "--set", "method.num_simulations=70",
+           "--set", "method.num_rounds=1"});
   const h5::File file = h5::File::open(runs("spring-worker") / "npe/seed-1/round-1/simulate.h5");
   const auto x = file.dataset("trajectories").read<float>();
   const RowMatrix theta = file.read_matrix<double>("theta");
@@ -286,8 +274,7 @@ pole_mass = { uniform = [0.01, 0.03] }
 name = "NPE"
 num_simulations = 100
 )toml");
-  const Outcome outcome = npdr({"run", "truth.toml", "--until", "target"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  npdr(0, {"run", "truth.toml", "--until", "target"});
   const Target made = read_recording(runs("truth") / "target.h5");
   ASSERT_EQ(made.num_rollouts(), 3);
   for (std::size_t h = 0; h < 3; ++h) {
@@ -305,16 +292,13 @@ TEST_F(OwnSimulators, AModelOfMujocoExplainsARecording) {
   }
   copy_example("cartpole");
   ASSERT_EQ(shell(python + " make_recording.py").status, 0);
-  const Outcome imported = npdr({"import", "rollout-0.csv", "rollout-1.csv", "--states",
-                                 "x [m],theta [rad],x_dot [m/s],theta_dot [rad/s]", "--actions",
-                                 "force [1]", "-o", "recording.h5"});
-  ASSERT_EQ(imported.status, 0) << imported.err;
+  npdr(0, {"import", "rollout-0.csv", "rollout-1.csv", "--states",
+           "x [m],theta [rad],x_dot [m/s],theta_dot [rad/s]", "--actions", "force [1]", "-o",
+           "recording.h5"});
   std::vector<std::string> words = small("study.toml");
   words.insert(words.end(), {"--set", "target.num_rollouts=1", "--set",
                              "method.embedding.principal_components=20"});
-  const Outcome outcome = npdr(words);
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_TRUE(has(outcome.out, {"floor", "held out"}));
+  EXPECT_TRUE(has(npdr(0, words).out, {"floor", "held out"}));
 }
 
 }  // namespace

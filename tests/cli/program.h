@@ -16,6 +16,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <source_location>
 #include <string>
 #include <vector>
 
@@ -110,12 +111,43 @@ inline Outcome run(const std::filesystem::path& folder, const std::vector<std::s
   return Program(folder, words, streams).wait();
 }
 
+/// An outcome that must have this exit status, else the test fails `where` it was asked for.
+inline Outcome with_status(int status, Outcome outcome,
+                           const std::source_location& where = std::source_location::current()) {
+  if (outcome.status != status) {
+    ADD_FAILURE_AT(where.file_name(), static_cast<int>(where.line()))
+        << "exit status " << outcome.status << ", must be " << status << "\n"
+        << outcome.out << outcome.err;
+  }
+  return outcome;
+}
+
+/// All words in one list.
+inline std::vector<std::string> joined(std::vector<std::string> words,
+                                       const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// While it lives, programs that are started have this many threads.
+class OmpThreads {
+ public:
+  explicit OmpThreads(int count) { setenv("OMP_NUM_THREADS", std::to_string(count).c_str(), 1); }
+  ~OmpThreads() { unsetenv("OMP_NUM_THREADS"); }
+  OmpThreads(const OmpThreads&) = delete;
+  OmpThreads& operator=(const OmpThreads&) = delete;
+};
+
 /// Tests that call commands in a folder of their own.
 class CommandTest : public ::testing::Test {
  protected:
-  Outcome npdr(std::vector<std::string> words) const {
-    words.insert(words.begin(), "npdr");
-    return run(folder_.path(), words);
+  Outcome npdr(const std::vector<std::string>& words) const {
+    return run(folder_.path(), joined({"npdr"}, words));
+  }
+  /// Of a command that must end with this exit status.
+  Outcome npdr(int status, const std::vector<std::string>& words,
+               const std::source_location& where = std::source_location::current()) const {
+    return with_status(status, npdr(words), where);
   }
 
   TempFolder folder_;

@@ -27,11 +27,10 @@ std::size_t num_lines(const std::string& text) {
 }
 
 TEST_F(Tasks, AreWhatCanBeMadeNow) {
-  const Outcome first = npdr({"tasks", "small.toml"});
-  EXPECT_EQ(first.status, 0) << first.err;
+  const Outcome first = npdr(0, {"tasks", "small.toml"});
   EXPECT_TRUE(has(first.out, "npdr-propose small.toml"));
   EXPECT_FALSE(has(first.out, "npdr-simulate")) << "needs the proposals first";
-  EXPECT_EQ(npdr({"run", "small.toml", "--until", "propose"}).status, 0);
+  npdr(0, {"run", "small.toml", "--until", "propose"});
   const std::vector<std::string> small_shards = {
       "tasks", "small.toml", "--set", "simulate.shard_size=40", "--until", "simulate"};
   const Outcome shards = npdr(small_shards);
@@ -47,7 +46,7 @@ TEST_F(Tasks, WaveByWaveGiveTheBitsOfARun) {
   const Outcome outcome = run(folder_.path(), {waves, "small.toml", "--work", "waves"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(npdr({"tasks", "small.toml", "--work", "waves"}).out, "") << "all is done";
-  EXPECT_EQ(npdr({"run", "small.toml"}).status, 0);
+  npdr(0, {"run", "small.toml"});
   EXPECT_EQ(digests(folder_ / "waves/small"), digests(folder_ / "runs/small"));
 }
 
@@ -78,7 +77,7 @@ TEST_F(Tasks, SimulationsMayHaveDifferentNumbersOfShards) {
 }
 
 TEST_F(Tasks, TakeWhatTheyRunAlongWhenTheyAreKilled) {
-  ASSERT_EQ(npdr({"run", "small.toml", "--until", "simulate"}).status, 0);
+  npdr(0, {"run", "small.toml", "--until", "simulate"});
   const Program task(folder_.path(),
                      {"npdr", "task", "--", NPDR_BINARY_DIR "/bin/npdr", "run", "small.toml",
                       "--until", "infer", "--set", "method.training.max_epochs=1000000", "--set",
