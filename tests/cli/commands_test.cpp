@@ -209,13 +209,8 @@ TEST_F(Commands, TheReportsCaptionStandsBelowItsTables) {
 }
 
 TEST_F(Commands, StagesRunOneByOneGiveTheSameBitsAsARun) {
-  const std::vector<std::string> study = {"small.toml", "--work", "staged"};
-  const auto stage = [&](const std::string& name, std::vector<std::string> more) {
-    std::vector<std::string> words = {name};
-    words.insert(words.end(), study.begin(), study.end());
-    words.insert(words.end(), more.begin(), more.end());
-    const Outcome outcome = run(folder_->path(), words);
-    EXPECT_EQ(outcome.status, 0) << name << ": " << outcome.err;
+  const auto stage = [&](const std::string& name, const std::vector<std::string>& more) {
+    with_status(0, run(folder_->path(), joined({name, "small.toml", "--work", "staged"}, more)));
   };
   for (const char* round : {"1", "2"}) {
     stage("npdr-propose", {"--round", round});

@@ -16,17 +16,12 @@ class External : public CommandTest {
  protected:
   External() { std::filesystem::copy(kExamples, folder_.path()); }
 
-  void run_well(std::vector<std::string> words) const {
-    words.insert(words.begin(), "run");
-    npdr(0, words);
-  }
+  void run_well(const std::vector<std::string>& words) const { npdr(0, joined({"run"}, words)); }
   // dataset.h5 of the example.
   Outcome import_dataset() const {
     const std::string folder = folder_.path().string();
     EXPECT_EQ(std::system(("sh " + folder + "/make_dataset.sh " + folder).c_str()), 0);
-    Outcome imported = npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
-    EXPECT_EQ(imported.status, 0) << imported.err;
-    return imported;
+    return npdr(0, {"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
   }
   // By what a shell makes of theta.csv and x.csv.
   void change_dataset(const std::string& command) const {

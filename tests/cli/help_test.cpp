@@ -13,13 +13,13 @@ TEST_F(Help, HelpListAndCompletionKnowAllCommands) {
                            "inspect", "verify", "sample", "open", "completion", "log-prob"}) {
     const std::string own = npdr({"help", name}).out;
     EXPECT_EQ(own, npdr({name, "--help"}).out);
-    EXPECT_NE(own.find("npdr " + std::string(name)), std::string::npos) << "an example\n" << own;
-    EXPECT_NE(own.find("Example"), std::string::npos) << own;
-    EXPECT_NE(help.find("  " + std::string(name) + " "), std::string::npos) << help;
-    EXPECT_NE(offered.find(std::string(name) + "\t"), std::string::npos) << offered;
+    EXPECT_TRUE(has(own, "npdr " + std::string(name))) << "an example\n" << own;
+    EXPECT_TRUE(has(own, "Example"));
+    EXPECT_TRUE(has(help, "  " + std::string(name) + " "));
+    EXPECT_TRUE(has(offered, std::string(name) + "\t"));
     std::string in_roff = name;
     if (in_roff == "log-prob") in_roff = "log\\-prob";
-    EXPECT_NE(man.find(".SS npdr " + in_roff + "\n"), std::string::npos) << man;
+    EXPECT_TRUE(has(man, ".SS npdr " + in_roff + "\n"));
   }
   EXPECT_TRUE(says(npdr({"help", "runn"}).err,
                    {"npdr help: unknown command 'runn' (did you mean 'run'?)"}));
@@ -34,8 +34,7 @@ TEST_F(Help, HelpFitsIntoATerminal) {
     std::getline(lines, line);  // the command in a sentence
     while (std::getline(lines, line)) EXPECT_LE(line.size(), 80) << name << ": " << line;
   }
-  EXPECT_NE(npdr({"help", "run"}).out.find("the last stage to run: target, held_out,"),
-            std::string::npos);
+  EXPECT_TRUE(has(npdr({"help", "run"}).out, "the last stage to run: target, held_out,"));
 }
 
 TEST_F(Help, WhatCantBeReadIsNamedAndLeadsToHelp) {
@@ -81,14 +80,13 @@ TEST_F(Help, ListSaysWhatThereIsToListAndALineAboutEach) {
   const std::string lists = npdr({"list"}).out;
   for (const char* name :
        {"simulators", "methods", "embeddings", "estimators", "priors", "keys", "layouts"}) {
-    EXPECT_NE(lists.find("npdr list " + std::string(name)), std::string::npos) << lists;
+    EXPECT_TRUE(has(lists, "npdr list " + std::string(name)));
     EXPECT_EQ(npdr({"list", name}).status, 0) << name;
   }
-  EXPECT_NE(npdr({"list", "priors"}).out.find("log_uniform        [low, high] with low > 0"),
-            std::string::npos);
+  EXPECT_TRUE(has(npdr({"list", "priors"}).out, "log_uniform        [low, high] with low > 0"));
   const std::string keys = npdr({"list", "keys", "method.training"}).out;
   EXPECT_TRUE(keys.starts_with("method.training.")) << keys;
-  EXPECT_EQ(keys.find("prior"), std::string::npos);
+  EXPECT_FALSE(has(keys, "prior"));
   EXPECT_TRUE(says(npdr({"list", "keys", "method.trainin_"}).err,
                    {"npdr list: unknown beginning of a key 'method.trainin_'",
                     "did you mean 'method.training'?"}));

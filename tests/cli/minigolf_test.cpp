@@ -51,10 +51,10 @@ TEST_F(MinigolfStudy, MeasuresReferences) {
 
 TEST_F(MinigolfStudy, ReportsWhatItMeasured) {
   const std::string fit = text("tables/fit.md");
-  EXPECT_TRUE(has(
-      fit, {"| RMSE, held out ", "| Final error [m] ",
-            "| P(rests within 5 cm of the hole), held out ", " nominal ", " heavy ", " truth "}));
-  EXPECT_TRUE(has(fit, "of the target's own rollouts 0 of 2, of the held-out ones 0 of 1"));
+  EXPECT_TRUE(
+      has(fit, {"| RMSE, held out ", "| Final error [m] ",
+                "| P(rests within 5 cm of the hole), held out ", " nominal ", " heavy ", " truth ",
+                "of the target's own rollouts 0 of 2, of the held-out ones 0 of 1"}));
   EXPECT_TRUE(has(text("tables/seeds.md"), "log p(heavy)"));
   EXPECT_TRUE(has(text("tables/contraction.md"), "| obstacle2_dyaw"));
   EXPECT_TRUE(has(text("tables/parameters.md"), "modulo 3.142"));

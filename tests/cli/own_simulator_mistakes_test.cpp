@@ -1,5 +1,6 @@
 /// Mistakes in studies of the users' simulators: each is named at its place.
 #include "pipeline/artefacts/recording.h"
+#include "tests/analysis/markup_check.h"
 #include "tests/cli/own_simulator.h"
 #include "tests/device_recordings.h"
 
@@ -18,28 +19,21 @@ TEST_F(OwnSimulators, RecordedActionsThatTheyArentGivenAreAWarning) {
 }
 
 // Once, though everything that asks the worker fails; and told as what the study calls it.
-TEST_F(OwnSimulators, AParameterThatTheStudyDoesntHaveIsToldOnce) {
-  const std::string python = python_with("numpy");
-  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
+TEST_F(PythonWorkers, AParameterThatTheStudyDoesntHaveIsToldOnce) {
   write_recording(furuta_recording(2), folder_ / "recorded.h5");
   folder_.file("sim.py", R"py(
 import npdr_worker
 npdr_worker.serve(lambda theta, first_state, actions, dt, rng: theta["mass"])
 )py");
-  npdr(0, {"new", "mine", "--recording", "recorded.h5", "--worker", python + " sim.py"});
+  npdr(0, {"new", "mine", "--recording", "recorded.h5", "--worker", python_ + " sim.py"});
   const Outcome outcome = npdr(1, {"run", "mine.toml", "--set", "target.held_out=0"});
   EXPECT_TRUE(has(outcome.err, {"KeyError: \"the study has no parameter 'mass'; it has a\"",
                                 "failed (exit status 1), as above:"}));
-  const std::size_t first = outcome.err.find("Traceback");
-  EXPECT_NE(first, std::string::npos) << outcome.err;
-  EXPECT_EQ(outcome.err.find("Traceback", first + 1), std::string::npos) << outcome.err;
+  EXPECT_EQ(analysis::count_of(outcome.err, "Traceback"), 1) << outcome.err;
 }
 
 // The likelihood of a refinement is that of motion which follows from theta.
-TEST_F(OwnSimulators, ARefinementRefusesMotionThatIsDrawn) {
-  const std::string python = python_with("numpy");
-  if (python.empty()) GTEST_SKIP() << "no Python with numpy";
-  copy_example("spring");
+TEST_F(PythonWorkers, ARefinementRefusesMotionThatIsDrawn) {
   folder_.file("sim.py", R"py(
 import npdr_worker
 def simulate(theta, first_state, actions, dt, rng):
@@ -49,30 +43,25 @@ npdr_worker.serve(simulate)
   const std::string study = text_of(folder_ / "worker.toml");
   folder_.file("refine.toml", study.substr(0, study.find("[[method]]")) +
                                   "[[method]]\nname = \"Refined\"\nalgorithm = \"refine\"\n");
-  EXPECT_TRUE(
-      has(npdr(2, {"run", "refine.toml", "--set", "simulator.worker='" + python + " sim.py'"}).err,
-          "simulated twice with the same parameters, channel 'q' differs"));
+  EXPECT_TRUE(has(npdr(2, {"run", "refine.toml", "--set", setting("sim.py")}).err,
+                  "simulated twice with the same parameters, channel 'q' differs"));
 }
 
 TEST_F(OwnSimulators, ALibraryThatLoopsIsToldWithARowAfterItsTimeLimit) {
   copy_example("spring");
   const std::string rows = "for (int64_t i = 0; i < batch->num_rows; ++i) {";
-  std::string source = text_of(folder_ / "spring.c");
-  const std::size_t begin = source.find(rows);
-  ASSERT_NE(begin, std::string::npos);
-  source.insert(begin + rows.size(), "\n    while (batch->theta[4 * i + 1] > 30.0) usleep(1000);");
-  folder_.file("spring.c", "#include <unistd.h>\n" + source);
+  folder_.file("spring.c",
+               "#include <unistd.h>\n" +
+                   edited(text_of(folder_ / "spring.c"), rows,
+                          rows + "\n    while (batch->theta[4 * i + 1] > 30.0) usleep(1000);"));
   compile_spring(folder_.path());
   EXPECT_TRUE(has(npdr(2, {"run", "library.toml", "--set", "simulator.time_limit=0.5"}).err,
                   {"spring.so: replay() hasn't returned after 0.5 s for",
                    "the first of which has mass = 1, stiffness = ", "raise simulator.time_limit",
                    "the status NPDR_DIVERGED"}));
-  const Outcome refused = npdr({"validate", "library.toml", "--set", "simulator.retries=2"});
-  EXPECT_TRUE(has(refused.err, "it belongs to simulator.command and simulator.worker"));
   folder_.file("built_in.toml", "[simulator]\nname = \"pendulum\"\ntime_limit = 1.0\n");
-  const Outcome built_in = npdr({"validate", "built_in.toml"});
-  EXPECT_TRUE(
-      has(built_in.err, "simulator.time_limit must be left out: it belongs to simulators of"));
+  EXPECT_TRUE(has(npdr({"validate", "built_in.toml"}).err,
+                  "simulator.time_limit must be left out: it belongs to simulators of"));
 }
 
 }  // namespace

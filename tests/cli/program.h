@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "pipeline/store/artefact.h"
+#include "tests/environment.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 #include "tests/wait_for.h"
@@ -130,12 +131,14 @@ inline std::vector<std::string> joined(std::vector<std::string> words,
 }
 
 /// While it lives, programs that are started have this many threads.
-class OmpThreads {
- public:
-  explicit OmpThreads(int count) { setenv("OMP_NUM_THREADS", std::to_string(count).c_str(), 1); }
-  ~OmpThreads() { unsetenv("OMP_NUM_THREADS"); }
-  OmpThreads(const OmpThreads&) = delete;
-  OmpThreads& operator=(const OmpThreads&) = delete;
+struct OmpThreads : EnvironmentVariable {
+  explicit OmpThreads(int count) : EnvironmentVariable("OMP_NUM_THREADS", std::to_string(count)) {}
+};
+
+/// While it lives, programs of this folder come before others of their names.
+struct ProgramsOnPath : EnvironmentVariable {
+  explicit ProgramsOnPath(const std::filesystem::path& folder = NPDR_BINARY_DIR "/bin")
+      : EnvironmentVariable("PATH", folder.string() + ":" + std::getenv("PATH")) {}
 };
 
 /// Tests that call commands in a folder of their own.

@@ -1,8 +1,6 @@
 // Signals, limits, streams and leftovers that a program finds where it runs.
 #include <sys/stat.h>
 
-#include <cstdlib>
-
 #include "core/atomic_file.h"
 #include "tests/cli/program.h"
 
@@ -74,25 +72,14 @@ TEST_F(Surroundings, ResultsBesideTheStudyAreNamedFromElsewhere) {
   EXPECT_EQ(warning({"npdr", "open", "../small.toml", "--work", "../runs"}), "");
 }
 
-// In place of gnuplot's, a program that never ends.
-class HangingGnuplot : public Surroundings {
- protected:
-  void SetUp() override {
-    Surroundings::SetUp();
-    fs::create_directory(folder_ / "bin");
-    folder_.file("bin/gnuplot",
-                 "#!/bin/sh\necho $$ > " + (folder_ / "pid").string() + "\nexec sleep 1000\n");
-    fs::permissions(folder_ / "bin/gnuplot", fs::perms::owner_all);
-    path_ = std::getenv("PATH");
-    setenv("PATH", ((folder_ / "bin").string() + ":" + path_).c_str(), 1);
-  }
-  void TearDown() override { setenv("PATH", path_.c_str(), 1); }
-
-  std::string path_;
-};
-
-TEST_F(HangingGnuplot, DoesNotKeepARunFromStopping) {
-  // Ctrl-C reaches all of a terminal's processes, `kill` the run alone.
+// In place of gnuplot's, a program that never ends. Ctrl-C reaches all of a terminal's processes,
+// `kill` the run alone.
+TEST_F(Surroundings, AGnuplotThatHangsDoesNotKeepARunFromStopping) {
+  fs::create_directory(folder_ / "bin");
+  folder_.file("bin/gnuplot",
+               "#!/bin/sh\necho $$ > " + (folder_ / "pid").string() + "\nexec sleep 1000\n");
+  fs::permissions(folder_ / "bin/gnuplot", fs::perms::owner_all);
+  const ProgramsOnPath hanging(folder_ / "bin");
   expect_end({"npdr", "run", "small.toml"}, SIGINT, 75, true);
   expect_end({"npdr", "run", "small.toml"}, SIGTERM, 75);
 }
