@@ -199,16 +199,6 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
   EXPECT_TRUE(has(npdr({"verify", round + "simulate.h5", "--rows", "3", "--run-command"}).out,
                   "3 of 1000 rows "
                   "recomputed, 0 differ"));
-  EXPECT_TRUE(says(npdr({"validate", "shell.toml"}).out,
-                   {"8 artefacts: ", "1000 simulations in 1 shard, 2 features each",
-                    "\nto judge them: 1 evaluation and 1 baseline of 1000 samples, each simulated",
-                    "\nto check them: 1 diagnosis, 200 samples of each posterior, those at the "
-                    "observation simulated",
-                    "\ncalibration isn't checked; a table [diagnose] in the study checks it"}));
-  EXPECT_TRUE(
-      has(npdr({"validate", "shell.toml", "--set", "diagnose={ num_simulations = 60 }"}).out,
-          "\nto check calibration: 60 of the simulations, and 60 posteriors "
-          "sampled for them\n"));
   EXPECT_TRUE(has(npdr({"validate", "shell.toml", "--set", "diagnose.checks=[\"training\"]"}).out,
                   "samples of each posterior\n"))
       << "that check asks for no predictions";
@@ -230,7 +220,7 @@ TEST_F(External, OtherCommandsUnderstandSuchStudies) {
   const Outcome other = npdr({"sample", posterior, "-n", "3", "--x", "other.csv"});
   EXPECT_EQ(other.out, own.out) << "the same x_o with its columns in another order\n" << other.err;
   EXPECT_FALSE(has(other.err, "warning"));
-  std::ofstream(folder_ / "far.csv") << "difference,total\n0.5,1000\n";
+  folder_.file("far.csv", "difference,total\n0.5,1000\n");
   EXPECT_TRUE(
       says(npdr({"sample", posterior, "-n", "3", "--x", "far.csv"}).err,
            {"warning: far.csv is unlike all simulations that the posterior was learned from",

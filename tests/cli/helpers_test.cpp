@@ -217,7 +217,7 @@ TEST_F(HelpersOfFirstStates, GiveTheSameBits) {
   expect_help(helper.wait());
   expect_same_bits("one");
   // Stopped again and again, each time with a checkpoint.
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < 4; ++i) {
     const Program refinement(folder_->path(), inference("stopped"), {"out", "err"});
     const bool has_ended = refinement.ends_within(0.3 + 0.15 * i);
     EXPECT_FALSE(i == 0 && has_ended) << "a signal must meet it at work";

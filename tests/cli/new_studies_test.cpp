@@ -8,15 +8,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class NewStudies : public OwnSimulators {};
+class NewStudies : public OwnSimulators {
+ protected:
+  // The text of a new study, which is valid.
+  std::string new_study(const std::string& name, const std::vector<std::string>& words) const {
+    npdr(0, joined({"new", name}, words));
+    npdr(0, {"validate", name + ".toml"});
+    return text_of(folder_ / (name + ".toml"));
+  }
+};
 
 TEST_F(NewStudies, FitWhatTheyAreFor) {
   copy_example("spring");
   compile_spring(folder_.path());
-  const Outcome library = npdr(0, {"new", "mine", "--library", "spring.so"});
-  EXPECT_EQ(npdr({"validate", "mine.toml"}).status, 0) << text_of(folder_ / "mine.toml");
-  npdr(0, {"new", "swing", "--simulator", "pendulum"});
-  EXPECT_EQ(npdr({"validate", "swing.toml"}).status, 0) << text_of(folder_ / "swing.toml");
+  new_study("mine", {"--library", "spring.so"});
+  new_study("swing", {"--simulator", "pendulum"});
   npdr(0, {"new", "arm", "--simulator", "furuta"});
   EXPECT_FALSE(has(text_of(folder_ / "arm.toml"), "[0.0, 0.0]")) << "no range";
   for (const char* option : {"--worker", "--command"}) {
@@ -45,11 +51,10 @@ TEST_F(NewStudies, TakeADataset) {
   x.close();
   folder_.file("x_o.csv", "peak,mean\n50,-50\n");
   npdr(0, {"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "d.h5"});
-  npdr(0, {"new", "finished", "--dataset", "d.h5"});
-  const std::string text = text_of(folder_ / "finished.toml");
-  EXPECT_TRUE(has(text, {"dataset = \"d.h5\"", "k = { uniform = [9.9, 30.1] }  # [N/m]",
-                         "m = { uniform = [1.979, 6.144] }", "# g = { uniform = [7.0, 7.0] }",
-                         "rate = { log_uniform = [0.977, 102.3] }", "num_simulations = 101"}));
+  EXPECT_TRUE(has(new_study("finished", {"--dataset", "d.h5"}),
+                  {"dataset = \"d.h5\"", "k = { uniform = [9.9, 30.1] }  # [N/m]",
+                   "m = { uniform = [1.979, 6.144] }", "# g = { uniform = [7.0, 7.0] }",
+                   "rate = { log_uniform = [0.977, 102.3] }", "num_simulations = 101"}));
   EXPECT_FALSE(has(npdr(0, {"run", "finished.toml", "--until", "simulate"}).err, "failed"));
   EXPECT_TRUE(has(npdr({"new", "both", "--dataset", "d.h5", "--recording", "d.h5"}).err,
                   "--dataset can't go with --recording"));
@@ -69,24 +74,17 @@ TEST_F(NewStudies, TakeAnObservation) {
 
 TEST_F(NewStudies, QuoteNamesThatNeedIt) {
   copy_example("spring");
-  std::string text = text_of(folder_ / "spring.c");
-  const std::string name = "\"stiffness\"";
-  text.replace(text.find(name), name.size(), "\"k (all)\"");
-  folder_.file("spring.c", text);
+  folder_.file("spring.c", edited(text_of(folder_ / "spring.c"), "\"stiffness\"", "\"k (all)\""));
   compile_spring(folder_.path());
-  npdr(0, {"new", "odd", "--library", "spring.so"});
-  const std::string study = text_of(folder_ / "odd.toml");
-  EXPECT_TRUE(has(study, "\n\"k (all)\" = { uniform"));
-  npdr(0, {"validate", "odd.toml"});
+  EXPECT_TRUE(has(new_study("odd", {"--library", "spring.so"}), "\n\"k (all)\" = { uniform"));
 }
 
 TEST_F(NewStudies, TakeARecording) {
   write_recording(furuta_recording(4), folder_ / "recorded.h5");
-  npdr(0, {"new", "real", "--recording", "recorded.h5", "--simulator", "furuta"});
-  const std::string text = text_of(folder_ / "real.toml");
+  const std::string text =
+      new_study("real", {"--recording", "recorded.h5", "--simulator", "furuta"});
   EXPECT_TRUE(has(text, {"recording = \"recorded.h5\"", "held_out = ", "num_rollouts = 3",
                          "embedding = { downsample = ", "scale_prior = [0.1, 1.0]"}));
-  EXPECT_EQ(npdr({"validate", "real.toml"}).status, 0) << text;
   std::string refined = text.substr(text.find("# [[method]]"));
   for (std::size_t at; (at = refined.find("# ")) != std::string::npos;) refined.erase(at, 2);
   folder_.file("refined.toml", text + refined);
@@ -98,8 +96,7 @@ TEST_F(NewStudies, TakeARecording) {
 TEST_F(NewStudies, TakeAModelOfMujoco) {
   if (!fs::exists(NPDR_BINARY_DIR "/lib/npdr_mujoco.so")) GTEST_SKIP() << "no MuJoCo";
   copy_example("cartpole");
-  npdr(0, {"new", "pole", "--mjcf", "cartpole.xml"});
-  EXPECT_EQ(npdr({"validate", "pole.toml"}).status, 0) << text_of(folder_ / "pole.toml");
+  new_study("pole", {"--mjcf", "cartpole.xml"});
 }
 
 }  // namespace

@@ -119,26 +119,11 @@ TEST_F(Policies, AnEarlyStartSaysWhatIsMissing) {
                   "iteration 1, round 1', which isn't there; run npdr-infer"));
 }
 
-TEST_F(Policies, ValidateSaysHowMuchWorkASearchIs) {
-  const Outcome outcome = npdr({"validate", "searched.toml"});
-  EXPECT_TRUE(has(outcome.out, "policy searches: 8 of 1408 rollouts together, and 8 tests"));
-}
-
 TEST_F(Policies, MethodsThatInferNothingCanStandAlone) {
   StudyText study = searched_study();
   std::ofstream(file("alone.toml")) << with_search(study);
   EXPECT_TRUE(has(npdr(0, {"run", "alone.toml", "--work", "alone"}).out, "| Randomized "));
   EXPECT_FALSE(std::filesystem::exists(file("alone/searched/tables/fit.md")));
-}
-
-// Evaluations are by the first rollouts, whatever an iteration has seen.
-TEST_F(Policies, AMethodMaySeeFewRolloutsOfEachIteration) {
-  npdr(0, {"run", "searched.toml", "--work", "few", "--only", "Online", "--seeds", "1", "--set",
-           "method.Online.num_rollouts=1", "--set", "target.num_rollouts=2", "--set",
-           "observation_noise.scale=0.05"});
-  // The first rollout of the target, and one after both.
-  const h5::File second = h5::File::open(file("few/searched/online/seed-1/iteration-2/target.h5"));
-  EXPECT_EQ(second.dataset("number").read<std::int64_t>(), (std::vector<std::int64_t>{0, 2}));
 }
 
 TEST_F(Policies, PosteriorsOfTheLastIterationAreExported) {

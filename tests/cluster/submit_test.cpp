@@ -45,17 +45,18 @@ class Submit : public ClusterTest {
     return with_status(status, npdr(words), where);
   }
   // Of a refinement that can't reach its number of effective draws: it ends with its budget.
-  Outcome submit_refinement(const std::string& settings, const StudyText::Lines& cluster) const {
-    write_text_file(
-        cluster_->folder() / "refined.toml",
+  Outcome submit_refinement(Index num_rollouts, const std::string& settings,
+                            const StudyText::Lines& cluster) const {
+    const std::string refine = "refine = { level_size = 1000, min_ess = 50000" + settings + " }";
+    const std::string study =
         furuta_study("refined")
-            .with("target", {"num_rollouts = 10"})
+            .with("target", {"num_rollouts = " + std::to_string(num_rollouts)})
             .with("observation_noise", {"scale = 0.05"})
             .with("simulate", {"shard_size = 50"})
-            .method("Refined", {"algorithm = \"refine\"",
-                                "refine = { level_size = 1000, min_ess = 50000" + settings + " }"})
+            .method("Refined", {"algorithm = \"refine\"", refine})
             .with("evaluate", {"num_samples = 50"})
-            .with("cluster", cluster));
+            .with("cluster", cluster);
+    write_text_file(cluster_->folder() / "refined.toml", study);
     return npdr(0, {"submit", "refined.toml"});
   }
   // Waits until Slurm notices that the node of a task has crashed, and starts the task elsewhere.
@@ -173,7 +174,7 @@ TEST_F(Submit, AStudySurvivesTheCrashOfANode) {
 }
 
 TEST_F(Submit, ARefinementSurvivesTheCrashOfItsNode) {
-  submit_refinement(", max_simulations = 4000", {});
+  submit_refinement(1, ", max_simulations = 4000", {});
   const std::string task = wait_for_inference("refined");
   crash_node_of(task);
   expect_bits_of_a_local_run("refined");
@@ -181,7 +182,7 @@ TEST_F(Submit, ARefinementSurvivesTheCrashOfItsNode) {
 
 // One helper is killed while it works: what it would have made others make.
 TEST_F(Submit, ARefinementWithHelpersHasTheBitsOfALocalRun) {
-  const Outcome submitted = submit_refinement(", max_simulations = 3000", {"refine_tasks = 2"});
+  const Outcome submitted = submit_refinement(10, ", max_simulations = 3000", {"refine_tasks = 2"});
   EXPECT_TRUE(has(submitted.out, "help infer Refined, seed 1, round 1, 2 tasks"));
   const Outcome again = npdr({"submit", "refined.toml"});
   EXPECT_TRUE(has(again.out, "nothing to submit")) << again.out << again.err;
@@ -198,7 +199,7 @@ TEST_F(Submit, ARefinementWithHelpersHasTheBitsOfALocalRun) {
 }
 
 TEST_F(Submit, HelpersThatFailAreToldAndTheOthersCanceledWithTheirRefinement) {
-  submit_refinement("", {"refine_tasks = 2"});
+  submit_refinement(1, "", {"refine_tasks = 2"});
   const std::string helper = wait_for_helper("refined");
   EXPECT_TRUE(has(npdr({"status", "refined.toml"}).out, ", 2 helpers"));
   cluster_->kill_shell_of(helper, SIGKILL);

@@ -20,18 +20,18 @@ inline std::string fault_study() {
       .with("simulator", {"store_every = 20"})
       .with("observation_noise", {"scale = 0.1"})
       .with("simulate", {"shard_size = 64"})
-      .method("MAF", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 200", embedding,
+      .method("MAF", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 150", embedding,
                       kSmallFlow, "training = { max_epochs = 100, stop_after_epochs = 100 }"})
-      .method("MoG", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 200", embedding,
+      .method("MoG", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 150", embedding,
                       kSmallMixture, "training = { max_epochs = 40 }"})
-      .method("ABC", {"algorithm = \"abc_smc\"", "num_rounds = 2", "num_simulations = 200",
+      .method("ABC", {"algorithm = \"abc_smc\"", "num_rounds = 2", "num_simulations = 150",
                       "abc = { quantile = 0.2, smooth = true, distance = \"rmse\" }"})
       .method("Refined", {"algorithm = \"refine\"",
                           "refine = { start = \"MoG\", level_size = 1000, min_ess = 100, "
                           "max_simulations = 3000 }"})
       .with("evaluate", {"num_samples = 40", "metrics = [\"rmse\"]", "floor = false"})
       .with("diagnose",
-            {"checks = [\"sbc\", \"predictive\"]", "num_simulations = 60", "num_samples = 40"});
+            {"checks = [\"sbc\", \"predictive\"]", "num_simulations = 40", "num_samples = 40"});
 }
 
 /// Two swings of a pendulum that is pushed, by semi-implicit Euler steps.

@@ -6,6 +6,7 @@
 
 #include "core/log_sum_exp.h"
 #include "core/normal.h"
+#include "tests/inference/cells.h"
 #include "tests/inference/gradient_check.h"
 
 namespace npdr::inference {
@@ -32,13 +33,7 @@ TEST(MixtureCorrectionLoss, NormalizerEqualsTheIntegral) {
   const GaussianMixture proposal = narrower_than_prior(random_mixture(2, 2, 100));
   constexpr Index side = 800;
   constexpr double width = 20.0 / side;
-  RowMatrix u(side * side, 2);
-  for (Index i = 0; i < side; ++i) {
-    for (Index j = 0; j < side; ++j) {
-      u(i * side + j, 0) = -10.0 + width * (static_cast<double>(i) + 0.5);
-      u(i * side + j, 1) = -10.0 + width * (static_cast<double>(j) + 0.5);
-    }
-  }
+  const RowMatrix u = cells_of({-10.0, -10.0}, {10.0, 10.0}, side);
   const Vector log_prior = -0.5 * u.rowwise().squaredNorm().array() + 2.0 * log_normal_density(0.0);
   const double integral =
       (q.log_prob(u) + proposal.log_prob(u) - log_prior).array().exp().sum() * width * width;

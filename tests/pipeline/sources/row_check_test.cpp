@@ -57,18 +57,6 @@ void expect_one(const std::vector<std::string>& warnings, const std::string& par
   EXPECT_TRUE(has(warnings[0], part));
 }
 
-TEST(RowCheck, SoundRowsPass) { EXPECT_TRUE(check(sound).empty()); }
-
-TEST(RowCheck, RowsInAnotherOrderAreRefused) {
-  const auto sorted = [](const RowMatrix& theta, std::span<const std::uint32_t> seeds) {
-    std::vector<double> x = sound(theta, seeds);
-    std::ranges::sort(x);
-    return x;
-  };
-  const std::string message = message_of<InputError>([&] { check(sorted); });
-  EXPECT_TRUE(has(message, {"in another order", "40 rows"}));
-}
-
 // Half of the rows are 0: whose they are can't be told.
 TEST(RowCheck, RowsInAnotherOrderAreRefusedWhereManyAreTheSame) {
   const auto clipped = [](const RowMatrix& theta, std::span<const std::uint32_t> seeds) {
@@ -84,16 +72,6 @@ TEST(RowCheck, RowsInAnotherOrderAreRefusedWhereManyAreTheSame) {
   EXPECT_TRUE(check(clipped).empty());
   const std::string message = message_of<InputError>([&] { check(reversed); });
   EXPECT_TRUE(has(message, "in another order"));
-}
-
-TEST(RowCheck, NoiseThatNoSeedNamesIsTold) {
-  std::uint32_t count = 0;
-  const auto unseeded = [&](const RowMatrix& theta, std::span<const std::uint32_t>) {
-    std::vector<double> x;
-    for (Index i = 0; i < theta.rows(); ++i) x.push_back(theta(i, 0) + 0.1 * noise(++count));
-    return x;
-  };
-  expect_one(check(unseeded), "the row's seed alone");
 }
 
 TEST(RowCheck, NoiseThatRowsOfACallShareIsTold) {
@@ -120,13 +98,6 @@ TEST(RowCheck, RowsWithoutNoiseAreToldUnlessTheStudyAddsSome) {
     return x;
   };
   expect_one(check(same), "whatever their seeds");
-}
-
-TEST(RowCheck, RowsThatDontDependOnAnythingAreTold) {
-  const auto constant = [](const RowMatrix& theta, std::span<const std::uint32_t>) {
-    return std::vector<double>(static_cast<std::size_t>(theta.rows()), 3.0);
-  };
-  expect_one(check(constant), "all rows are the same");
 }
 
 TEST(RowCheck, FewRowsArentJudged) {
