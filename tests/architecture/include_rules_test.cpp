@@ -39,8 +39,8 @@ class IncludeRules : public testing::Test {
 
 // "process, store" of "config".
 std::string layers_before(const std::string& layer) {
-  const Messages layers = known_layers();
-  return join({layers.begin(), std::ranges::find(layers, layer)});
+  const Messages all = known_layers();
+  return join({all.begin(), std::ranges::find(all, layer)});
 }
 
 // Lines that a file of the tree includes, and what is said of them.

@@ -154,30 +154,26 @@ TEST_F(Commands, DeletedTablesAreMadeAgain) {
   EXPECT_TRUE(std::filesystem::exists(file("runs/small/tables/fit.csv")));
 }
 
-TEST_F(Commands, AReportWithoutTheRoundsRemovesTheirTable) {
+// The caption stands below other tables.
+TEST_F(Commands, AReportWithoutTheRoundsRemovesTheirTables) {
   const auto run_with = [](const std::string& rounds) {
-    return npdr({"run", "small.toml", "--set", "study.name=rounds", "--set",
-                 "evaluate.rounds=" + rounds})
-        .status;
+    npdr(0, {"run", "small.toml", "--set", "study.name=rounds", "--set",
+             "evaluate.rounds=" + rounds, "--set", "report.caption=What one sees."});
   };
-  ASSERT_EQ(run_with("all"), 0);
-  const std::string densities = text_of(file("runs/rounds/tables/densities.md"));
-  EXPECT_TRUE(
-      has(densities, {" prior |", "| round 2 |", "| NPDR (MAF), truth ", "| NPDR (MoG), truth "}));
+  run_with("all");
+  EXPECT_TRUE(has(text_of(file("runs/rounds/tables/densities.md")),
+                  {" prior |", "| round 2 |", "| NPDR (MAF), truth ", "| NPDR (MoG), truth "}));
   EXPECT_TRUE(std::filesystem::exists(file("runs/rounds/tables/rounds.md")));
-  ASSERT_EQ(run_with("last"), 0);
+  run_with("last");
+  const std::string html = text_of(file("runs/rounds/report.html"));
+  const std::size_t caption = html.find("<p>What one sees.</p>");
+  EXPECT_LT(html.find("id=\"table-fit\""), caption);
+  EXPECT_LT(caption, html.find("id=\"section-3\""));
   EXPECT_FALSE(std::filesystem::exists(file("runs/rounds/tables/rounds.md")));
   EXPECT_FALSE(std::filesystem::exists(file("runs/rounds/tables/densities.md")));
 }
 
-TEST_F(Commands, InspectShowsKindInputsAndContent) {
-  const Outcome outcome =
-      npdr({"inspect", "--digest", "runs/small/npdr-maf/seed-1/round-1/simulate.h5"});
-  EXPECT_TRUE(has(outcome.out, {"simulation (schema", "proposal", "trajectories (150, 2, 400, 2)",
-                                "content  "}));
-}
-
-TEST_F(Commands, InspectShowsTheAttributesOfAnArtefactsOwn) {
+TEST_F(Commands, InspectShowsInputsContentAndTheAttributesOfAnArtefactsOwn) {
   const Outcome posterior = npdr({"inspect", "runs/small/npdr-maf/seed-1/round-1/infer.h5"});
   EXPECT_TRUE(
       has(posterior.out, {"    @embedding = {\"kind\":\"linear\",", "    @num_failed = 0\n",
@@ -185,9 +181,10 @@ TEST_F(Commands, InspectShowsTheAttributesOfAnArtefactsOwn) {
                           R"(    @prior = [{"name":"pole_mass","unit":"kg","uniform":[0.3,1.7]},)"
                           R"({"name":"pole_length","unit":"m","uniform":[0.3,1.7]}])"}));
   EXPECT_FALSE(has(posterior.out, "@key_document"));
-  const Outcome simulation = npdr({"inspect", "runs/small/npdr-maf/seed-1/round-1/simulate.h5"});
-  EXPECT_TRUE(has(simulation.out,
-                  {"    @num_failed = 0\n", "@DIMENSION_LABELS = row, rollout, time, channel"}));
+  EXPECT_TRUE(
+      has(npdr({"inspect", "--digest", "runs/small/npdr-maf/seed-1/round-1/simulate.h5"}).out,
+          {"simulation (schema", "proposal", "trajectories (150, 2, 400, 2)", "content  ",
+           "    @num_failed = 0\n", "@DIMENSION_LABELS = row, rollout, time, channel"}));
 }
 
 TEST_F(Commands, ShardsKnowTheVersionOfTheirSchema) {
@@ -197,15 +194,6 @@ TEST_F(Commands, ShardsKnowTheVersionOfTheirSchema) {
     const ArtefactInfo info = read_artefact_info(entry.path());
     EXPECT_EQ(info.identity.key_document.at("schema_version"), info.schema.version);
   }
-}
-
-TEST_F(Commands, TheReportsCaptionStandsBelowItsTables) {
-  npdr(0, {"run", "small.toml", "--set", "study.name=captioned", "--set",
-           "report.caption=What one sees."});
-  const std::string html = text_of(file("runs/captioned/report.html"));
-  const std::size_t caption = html.find("<p>What one sees.</p>");
-  EXPECT_LT(html.find("id=\"table-fit\""), caption);
-  EXPECT_LT(caption, html.find("id=\"section-3\""));
 }
 
 TEST_F(Commands, StagesRunOneByOneGiveTheSameBitsAsARun) {

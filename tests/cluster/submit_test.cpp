@@ -48,15 +48,14 @@ class Submit : public ClusterTest {
   Outcome submit_refinement(Index num_rollouts, const std::string& settings,
                             const StudyText::Lines& cluster) const {
     const std::string refine = "refine = { level_size = 1000, min_ess = 50000" + settings + " }";
-    const std::string study =
-        furuta_study("refined")
-            .with("target", {"num_rollouts = " + std::to_string(num_rollouts)})
-            .with("observation_noise", {"scale = 0.05"})
-            .with("simulate", {"shard_size = 50"})
-            .method("Refined", {"algorithm = \"refine\"", refine})
-            .with("evaluate", {"num_samples = 50"})
-            .with("cluster", cluster);
-    write_text_file(cluster_->folder() / "refined.toml", study);
+    StudyText study = furuta_study("refined")
+                          .with("target", {"num_rollouts = " + std::to_string(num_rollouts)})
+                          .with("observation_noise", {"scale = 0.05"})
+                          .with("simulate", {"shard_size = 50"})
+                          .method("Refined", {"algorithm = \"refine\"", refine})
+                          .with("evaluate", {"num_samples = 50"});
+    if (!cluster.empty()) study.with("cluster", cluster);
+    write_text_file(cluster_->folder() / "refined.toml", std::string(study));
     return npdr(0, {"submit", "refined.toml"});
   }
   // Waits until Slurm notices that the node of a task has crashed, and starts the task elsewhere.

@@ -2,7 +2,6 @@
 
 #include "tests/faults/fault_study.h"
 #include "tests/faults/tiny_disk.h"
-#include "tests/file_size_limit.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -72,18 +71,6 @@ TEST_F(FullDisk, ARunSaysSoAndGoesOnOnceThereIsSpace) {
   disk_->leave(150 << 10);
   EXPECT_TRUE(has(folder_->npdr(1, {"run"}).err, {"No space left on device", "free some space"}));
   disk_->free_all();
-  expect_to_go_on();
-}
-
-// A limit stands for a quota.
-TEST_F(Faults, AFileThatMayNotGrowIsAnErrorAndNothingIsLeft) {
-  const Artefact artefact = folder_->artefacts_of("infer").front();
-  fs::remove_all(artefact.path);
-  {
-    const FileSizeLimit limit(10'000);
-    EXPECT_TRUE(has(with_status(1, make(artefact)).err,
-                    {"File too large; raise the limit", artefact.path.filename()}));
-  }
   expect_to_go_on();
 }
 

@@ -1,5 +1,6 @@
 #include "tests/faults/fault_study.h"
 #include "tests/faults/tiny_disk.h"
+#include "tests/file_size_limit.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -104,6 +105,18 @@ TEST_F(Folders, WhatIsInTheWayIsNamed) {
     expect_named(folder_->npdr({"run"}), artefact.path.filename());
     EXPECT_TRUE(has(folder_->npdr({"status"}).out, "leads to itself"));
     fs::remove(artefact.path);
+  }
+  expect_to_go_on();
+}
+
+// A limit stands for a quota.
+TEST_F(Folders, AFileThatMayNotGrowIsAnErrorAndNothingIsLeft) {
+  const Artefact artefact = folder_->artefacts_of("infer").front();
+  fs::remove_all(artefact.path);
+  {
+    const FileSizeLimit limit(10'000);
+    EXPECT_TRUE(has(with_status(1, make(artefact)).err,
+                    {"File too large; raise the limit", artefact.path.filename()}));
   }
   expect_to_go_on();
 }

@@ -79,23 +79,18 @@ TEST(MixtureCorrectionLoss, GradientEqualsCentralDifferences) {
       flatten(gradient.log_weights, gradient.means, gradient.precision_factors));
 }
 
+const GaussianMixture kStandard{
+    Vector::Zero(1), {Vector::Zero(3)}, {Eigen::MatrixXd::Identity(3, 3)}};
+
 TEST(MixtureCorrectionLoss, NormalizerIsOneWhenTheProposalIsThePrior) {
-  GaussianMixture prior;
-  prior.log_weights = Vector::Zero(1);
-  prior.means = {Vector::Zero(3)};
-  prior.precision_factors = {Eigen::MatrixXd::Identity(3, 3)};
-  EXPECT_NEAR(MixtureCorrection(prior).log_normalizer(random_mixture(3, 3, 1), nullptr), 0.0,
+  EXPECT_NEAR(MixtureCorrection(kStandard).log_normalizer(random_mixture(3, 3, 1), nullptr), 0.0,
               1e-12);
 }
 
 // Networks forget components by making them flat: their precision is singular up to rounding, and
 // so is A where the proposal is as wide as the prior. Z is 1 there whatever q is.
 TEST(MixtureCorrectionLoss, SurvivesAFlatComponent) {
-  GaussianMixture prior;
-  prior.log_weights = Vector::Zero(1);
-  prior.means = {Vector::Zero(3)};
-  prior.precision_factors = {Eigen::MatrixXd::Identity(3, 3)};
-  MixtureCorrection correction(prior);
+  MixtureCorrection correction(kStandard);
   for (const double large : {1e2, 1e3, 1.1e5}) {
     for (const double small : {1e-3, 1.3e-3, 1e-9}) {
       GaussianMixture q = random_mixture(2, 3, 1);
