@@ -73,12 +73,6 @@ TEST(Mmd, OfConstantSamplesIsNothing) {
   EXPECT_EQ(found.p_value, 1.0);
 }
 
-TEST(Mmd, TellsApartWhatDiffersByAnyMagnitude) {
-  const RowMatrix huge = gaussian(100, 1, 2, 0.0, 1e307);
-  EXPECT_LT(mmd(huge, gaussian(100, 1, 1), kMmdId).p_value, 0.01);
-  EXPECT_GT(mmd(huge, gaussian(100, 1, 5, 0.0, 1e307), kMmdId).p_value, 0.01);
-}
-
 TEST(Mmd, SameBitsForAnyThreadCount) {
   const RowMatrix first = gaussian(700, 2, 1), second = gaussian(900, 2, 2, 0.1);
   expect_same_for_any_thread_count([&] {
