@@ -19,5 +19,11 @@ TEST(Trajectories, HoldRowsRolloutsStepsAndStatesInThisOrder) {
   EXPECT_EQ(trajectories.rollout(0, 1)(0, 0), 20.0f);
 }
 
+TEST(Trajectories, StatusHasAName) {
+  EXPECT_EQ(to_string(RolloutStatus::ok), "ok");
+  EXPECT_EQ(to_string(RolloutStatus::diverged), "diverged");
+  EXPECT_EQ(to_string(RolloutStatus::out_of_limits), "out_of_limits");
+}
+
 }  // namespace
 }  // namespace npdr::sim
