@@ -8,8 +8,8 @@
 #include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
-#include "tests/analysis/any_threads.h"
 #include "tests/message_of.h"
+#include "tests/thread_count.h"
 
 namespace npdr::analysis {
 namespace {
@@ -161,7 +161,7 @@ TEST(Metrics, SameBitsForAnyThreadCountAndBatch) {
   const RandomCase test = random_case();
   const Metrics metrics(test.target);
   const TrajectoryView all = test.view();
-  expect_same_on_any_threads([&] { return std::pair{metrics.rmse(all), metrics.dtw(all)}; });
+  expect_same_for_any_thread_count([&] { return std::pair{metrics.rmse(all), metrics.dtw(all)}; });
   const Vector rmse = metrics.rmse(all), dtw = metrics.dtw(all);
   for (Index i = 0; i < all.num_samples; ++i) {
     const TrajectoryView one = {all.values.subspan(static_cast<std::size_t>(i * all.row_size()),

@@ -10,8 +10,8 @@
 #include "core/error.h"
 #include "core/normal.h"
 #include "core/random.h"
-#include "tests/analysis/any_threads.h"
 #include "tests/message_of.h"
+#include "tests/thread_count.h"
 
 namespace npdr::analysis {
 namespace {
@@ -149,7 +149,7 @@ TEST(PredictiveScores, SameBitsForAnyThreadCount) {
   const TrajectoryView view = {values, 50, 2, 30, 3};
   const std::vector<RowMatrix> observed = constant(2, 30, 3, 0.7);
   const RowMatrix scale = RowMatrix::Constant(2, 3, 0.3);
-  expect_same_on_any_threads([&] {
+  expect_same_for_any_thread_count([&] {
     const PredictiveScores scores = predictive_scores(view, observed, scale);
     return std::tuple{scores.crps, scores.coverage, log_score(view, observed, gaussian(scale))};
   });

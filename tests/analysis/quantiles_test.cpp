@@ -9,7 +9,7 @@
 #include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
-#include "tests/analysis/any_threads.h"
+#include "tests/thread_count.h"
 
 namespace npdr::analysis {
 namespace {
@@ -57,7 +57,7 @@ TEST(Quantiles, LeaveOutFailedSamples) {
 TEST(Quantiles, SameBitsForAnyThreadCount) {
   std::vector<float> values(50 * 2 * 30 * 3);
   Stream({1, "quantiles_test"}).fill_normal(values);
-  expect_same_on_any_threads([&] {
+  expect_same_for_any_thread_count([&] {
     const Bands bands = quantile_bands({values, 50, 2, 30, 3});
     return std::vector{bands.lower, bands.median, bands.upper};
   });
