@@ -7,6 +7,8 @@
 
 #include "core/finding.h"
 #include "core/random.h"
+#include "core/types.h"
+#include "sim/segments.h"
 #include "sim/trajectories.h"
 
 namespace npdr::pipeline {
@@ -49,6 +51,9 @@ class RowSimulator {
 inline Eigen::Map<const RowMatrixF> features_of(const sim::Trajectories& x) {
   return {x.values.data(), x.num_rows, x.row_size()};
 }
+
+/// Features as the states of a rollout of one step.
+sim::Segments feature_segments(Index num_features);
 
 /// The seed of row `i` after the row that `first` names: one that fits into a signed 32-bit
 /// integer, as many programs want it.

@@ -46,34 +46,30 @@ std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_col
   return labels;
 }
 
-std::vector<std::string> column_units(const h5::Dataset& dataset, std::size_t num_labels) {
-  if (!dataset.has_attribute("units")) return {};
-  const std::vector<std::string> units = printable_texts(dataset, "units");
-  if (units.size() != num_labels) {
-    throw InputError(
-        fmt::format("{} has {} labels, but {} units", dataset.where(), num_labels, units.size()));
-  }
-  return units;
-}
-
 std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns) {
   std::vector<Channel> channels = parse_features(column_labels(dataset, num_columns));
-  std::vector<std::string> labels;  // without their units
-  for (const Channel& channel : channels) labels.push_back(channel.label);
-  require_distinct(dataset, labels);
-  const std::vector<std::string> units = column_units(dataset, channels.size());
+  require_distinct(dataset, labels_of(channels));  // without their units
+  if (!dataset.has_attribute("units")) return channels;
+  const std::vector<std::string> units = printable_texts(dataset, "units");
+  if (units.size() != channels.size()) {
+    throw InputError(fmt::format("{} has {} labels, but {} units", dataset.where(), channels.size(),
+                                 units.size()));
+  }
   for (std::size_t c = 0; c < units.size(); ++c) channels[c].unit = units[c];
   return channels;
 }
 
 void describe_columns(h5::Dataset& dataset, const std::vector<Channel>& columns) {
-  std::vector<std::string> labels, units;
-  for (const Channel& column : columns) {
-    labels.push_back(column.label);
-    units.push_back(column.unit);
-  }
-  dataset.set_attribute("labels", labels);
+  std::vector<std::string> units;
+  for (const Channel& column : columns) units.push_back(column.unit);
+  dataset.set_attribute("labels", labels_of(columns));
   dataset.set_attribute("units", units);
+}
+
+std::vector<std::string> labels_of(const std::vector<Channel>& columns) {
+  std::vector<std::string> labels;
+  for (const Channel& column : columns) labels.push_back(column.label);
+  return labels;
 }
 
 std::vector<std::string> few_shortened(const std::vector<std::string>& names) {

@@ -2,10 +2,8 @@
 #include <hdf5_hl.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "core/printable.h"
 #include "pipeline/store/h5_detail.h"
 #include "pipeline/store/h5_virtual.h"
 
@@ -21,38 +19,18 @@ Handle type_of(const Object& dataset) {
   return opened(H5Dget_type(dataset.id()), dataset.where(), "be opened");
 }
 
-// The first filter of a dataset that this HDF5 lacks, such as h5py's lzf; "": it has them all.
-std::string missing_filter(hid_t dataset) {
-  const Handle settings(H5Dget_create_plist(dataset));
-  const int count = H5Pget_nfilters(settings.id());
-  for (int i = 0; i < count; ++i) {
-    std::array<char, 64> name = {};
-    std::size_t num_values = 0;
-    unsigned flags = 0, config = 0;
-    const H5Z_filter_t filter =
-        H5Pget_filter2(settings.id(), static_cast<unsigned>(i), &flags, &num_values, nullptr,
-                       name.size() - 1, name.data(), &config);
-    if (filter >= 0 && H5Zfilter_avail(filter) == 0) {
-      return name[0] == '\0' ? std::to_string(filter) : printable_line(name.data());
-    }
-  }
-  return "";
-}
-
 Handle space_of(const Object& dataset) {
   return opened(H5Dget_space(dataset.id()), dataset.where(), "be opened");
 }
 
 // In chunks, which may be compressed; otherwise the file holds every byte of the array.
 bool is_chunked(const Object& dataset) {
-  const Handle properties = opened(H5Dget_create_plist(dataset.id()), dataset.where(), "be opened");
-  return H5Pget_layout(properties.id()) == H5D_CHUNKED;
+  return H5Pget_layout(properties_of(dataset).id()) == H5D_CHUNKED;
 }
 
 // Raw bytes of any other file, wherever who made this one said that they are.
 void require_own_bytes(const Object& dataset) {
-  const Handle properties = opened(H5Dget_create_plist(dataset.id()), dataset.where(), "be opened");
-  if (H5Pget_external_count(properties.id()) == 0) return;
+  if (H5Pget_external_count(properties_of(dataset).id()) == 0) return;
   throw InputError(dataset.where() + ": its values are bytes of other files, must be in this one");
 }
 
@@ -183,12 +161,7 @@ void Dataset::read_raw(ElementType type, Index begin, Index count, void* values)
   const Handle memory = select_rows(space.id(), shape_, begin, count);
   const Handle element = memory_type(type);
   if (H5Dread(id(), element.id(), memory.id(), space.id(), H5P_DEFAULT, values) < 0) {
-    const hid_t why = H5Eget_current_stack();
-    const std::string filter = missing_filter(id());
-    H5Eset_current_stack(why);
-    if (filter.empty()) fail_reading(where(), "be read");
-    throw InputError(where() + ": is compressed by '" + filter +
-                     "', which the HDF5 library here can't undo; write it with gzip, or as it is");
+    fail_reading(where(), "be read");
   }
 }
 

@@ -214,8 +214,7 @@ void NumberTable::fail(const std::string& message) const {
 
 std::vector<Index> find_columns(const std::string& where, const std::vector<Channel>& found,
                                 const std::vector<Channel>& expected) {
-  std::vector<std::string> labels;
-  for (const Channel& channel : found) labels.push_back(channel.label);
+  const std::vector<std::string> labels = labels_of(found);
   std::vector<Index> columns;
   for (const Channel& channel : expected) {
     const auto column = std::ranges::find(labels, channel.label);

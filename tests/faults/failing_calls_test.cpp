@@ -46,16 +46,6 @@ class FailingCalls : public Faults {
   }
 };
 
-TEST_F(FailingCalls, AFileSystemWithoutLocksNeedsNone) {
-  for (const int error : {ENOLCK, EOPNOTSUPP}) {
-    std::filesystem::remove_all(folder_->work());
-    const FailingCall without_locks("flock", error);
-    const Outcome outcome = folder_->npdr({"run"});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    expect_same_results(*folder_);
-  }
-}
-
 // Whatever keeps a good file from being read, nobody is to remove it.
 TEST_F(FailingCalls, WhatCannotBeReadJustNowIsNotCalledDamaged) {
   const Artefact reader = posterior();
@@ -135,8 +125,7 @@ const std::vector<CallAndErrors> kCases = {
     {"open", {EMFILE, EIO, EINTR}}, {"read", {EIO, EINTR, 0}},
     {"pread", {EIO, EINTR, 0}},     {"write", {ENOSPC, EINTR, 0}},
     {"pwrite", {ENOSPC, EIO, 0}},   {"fsync", {EIO}},
-    {"rename", {EIO, ENOSPC}},      {"close", {EIO}},
-    {"flock", {EINTR, ENOLCK}}};
+    {"rename", {EIO, ENOSPC}},      {"close", {EIO}}};
 
 // What became of programs in which one call failed.
 struct Fates {

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "core/error.h"
-#include "pipeline/sources/dataset_source.h"
+#include "pipeline/sources/dataset_rows.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/sources/row_simulator.h"
 #include "pipeline/store/h5.h"
 #include "tests/temp_folder.h"
 
@@ -48,9 +49,7 @@ class ExternalSimulators : public ::testing::Test {
 
   ExternalSimulator program(const std::filesystem::path& log,
                             Index hopeless = kHopelessRows) const {
-    const sim::SimulatorInfo info = simulator_info(study_);
-    return {study_.external, info, make_file_call(study_.external, info, nullptr, 2), log,
-            hopeless};
+    return {{study_.external, simulator_info(study_), feature_segments(2), 1, 2}, log, hopeless};
   }
 
   // Rows a = 0, 1, ..., n - 1 after a simulation with rows that do `what`.

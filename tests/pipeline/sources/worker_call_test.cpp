@@ -50,9 +50,6 @@ while True:
                     time.sleep(1000)
                 os._exit(3)
             if what == "hangs": time.sleep(1000)
-            if what == "closes":
-                os.close(1)
-                time.sleep(1000)
             if what == "error":
                 replies.write(b'{"npdr_worker": 1, "reply": "error", "message": "boom"}\n')
                 break
@@ -100,13 +97,15 @@ class Workers : public ::testing::Test {
 
   ExternalSimulator simulator(const std::string& what, const std::string& bad) {
     study_.external.worker = "WHAT=" + what + " BAD=" + bad + " exec python3 worker.py";
+    return made();
+  }
+
+  ExternalSimulator made() const {
     Target target;
     target.dt = 0.5;
     target.state_channels = {{"x", "m"}, {"y", "1"}};
     target.rollouts = {{"0", RowMatrix::Zero(5, 2), RowMatrix(4, 0)}};
-    const sim::SimulatorInfo info = simulator_info(study_);
-    return {study_.external, info,
-            make_worker_call(study_.external, info, {sim::cut(target, 0), 1}, 1), folder_ / "log"};
+    return {{study_.external, simulator_info(study_), sim::cut(target, 0), 1, 1}, folder_ / "log"};
   }
 
   // Rows a = 0, 1, ..., n - 1, one of which does `what`.
@@ -202,11 +201,6 @@ TEST_F(Workers, AReplyTooManyIsNoneToTheNextRequest) {
   EXPECT_EQ(lines_of("starts"), 2);
 }
 
-TEST_F(Workers, AClosedOutputIsNotWaitedFor) {
-  study_.external.time_limit = 30.0;
-  expect_only_five_is(run(6, "closes"), RolloutStatus::bad_output);
-}
-
 TEST_F(Workers, HalfAReplyIsACrash) {
   expect_only_five_is(run(12, "half"), RolloutStatus::crashed);
 }
@@ -235,18 +229,9 @@ TEST_F(Workers, ARowThatDivergesSaysWhichNumberIsNone) {
 
 TEST_F(Workers, AWorkerThatCantBeRunIsAnErrorAtOnce) {
   study_.external.worker = "./no-such-program";
-  const auto run = [&] {
-    const sim::SimulatorInfo info = simulator_info(study_);
-    Target target;
-    target.dt = 0.5;
-    target.state_channels = {{"x", "m"}, {"y", "1"}};
-    target.rollouts = {{"0", RowMatrix::Zero(5, 2), RowMatrix(4, 0)}};
-    ExternalSimulator simulator(
-        study_.external, info, make_worker_call(study_.external, info, {sim::cut(target, 0), 1}, 1),
-        folder_ / "log");
-    simulator.simulate(RowMatrix::Ones(2, 1), {1, "test", 0, 0, 0});
-  };
-  const std::string message = message_of<Error>(run);
+  const std::string message = message_of<Error>([&] {
+    made().simulate(RowMatrix::Ones(2, 1), {1, "test", 0, 0, 0});
+  });
   EXPECT_NE(message.find("simulator.worker = './no-such-program' can't be run"), std::string::npos)
       << message;
 }

@@ -1,10 +1,6 @@
 // Opening, closing and joining HDF5 files.
-#include <sys/file.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <ctime>
 
 #include "counted.h"
@@ -12,32 +8,6 @@
 #include "tests/file_size_limit.h"
 #include "tests/temp_folder.h"
 #include "tests/wait_for.h"
-
-namespace npdr::pipeline {
-namespace {
-
-// Error that the next flock() of HDF5 fails with; 0: none.
-int lock_error = 0;
-
-struct FailingLocks {
-  explicit FailingLocks(int error) { lock_error = error; }
-  ~FailingLocks() { lock_error = 0; }
-  FailingLocks(const FailingLocks&) = delete;
-  FailingLocks& operator=(const FailingLocks&) = delete;
-};
-
-}  // namespace
-}  // namespace npdr::pipeline
-
-// HDF5 calls this one instead of the C library's: a file system without locks can't be had in a
-// test.
-extern "C" int flock(int fd, int operation) {
-  if (npdr::pipeline::lock_error == 0) {
-    return static_cast<int>(::syscall(SYS_flock, fd, operation));
-  }
-  errno = npdr::pipeline::lock_error;
-  return -1;
-}
 
 namespace npdr::pipeline {
 namespace {
@@ -210,30 +180,6 @@ TEST(H5File, AFailedWriteSaysWhyAndWhatToDo) {
                        &folder),
                    {"a.h5: can't be written: file write failed: File too large",
                     "raise the limit on the size of a file (ulimit -f)"}));
-}
-
-TEST(H5File, DoesntOpenAFileThatSomebodyElseWrites) {
-  const TempFolder folder;
-  File::create(folder / "a.h5").close();
-  const FailingLocks failing(EAGAIN);
-  EXPECT_EQ(
-      message_of<Error>([&] { File::open(folder / "a.h5"); }, &folder),
-      "a.h5: can't be opened: unable to lock file: Resource temporarily unavailable; try again "
-      "later");
-}
-
-// The process remembers it: this comes after all that asks for locks.
-TEST(H5File, OpensFilesWhereTheFileSystemHasNoLocks) {
-  const TempFolder folder;
-  for (const int error : {ENOSYS, ENOLCK, EOPNOTSUPP}) {
-    const FailingLocks failing(error);
-    File file = File::create(folder / "a.h5");
-    file.write("theta", counted(2, 2));
-    file.close();
-    EXPECT_EQ(File::open(folder / "a.h5").read_matrix<double>("theta"), counted(2, 2));
-    const File first = File::open(folder / "a.h5");
-    EXPECT_NO_THROW(File::open(folder / "a.h5")) << "it can't be open in two ways";
-  }
 }
 
 TEST(H5File, ANameTooLongForTheFileSystemIsNoSurprise) {

@@ -1,5 +1,6 @@
 #include "pipeline/store/h5.h"
 
+#include <array>
 #include <numeric>
 
 #include "core/constants.h"
@@ -23,7 +24,7 @@ TEST(H5, MatricesVectorsAndScalarsOfEveryTypeSurviveARoundTrip) {
   file.write("f32", f32);
   file.write("i64", i64);
   file.write("u8", u8);
-  file.write_scalar("scalar", 0.1);
+  file.create_dataset("scalar", ElementType::f64, {}).write_rows<double>(0, 1, std::array{0.1});
   file.close();
 
   const File read = File::open(folder / "a.h5");
