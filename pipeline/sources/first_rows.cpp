@@ -92,12 +92,16 @@ Findings find_late_states(const sim::Trajectories& x, const Target& recorded) {
 }
 
 Findings find_same_rows(const RowMatrix& theta, const RowMatrixF& x) {
-  constexpr Index fewest_alike = 3;
+  constexpr Index fewest_alike = 3, fewest_of_all = 8;
   constexpr double usual_share = 0.9;  // of others: counts are often the same
-  const auto is_count = [](float value) { return !(std::abs(value - std::round(value)) > 0.0f); };
-  if (x.cols() == 1 || std::ranges::all_of(x.reshaped(), is_count)) return {};
   const auto groups = groups_of(x);
   if (groups.empty()) return {};
+  if (groups.size() == 1 && std::ssize(groups.front()) >= fewest_of_all) {
+    return {warning(
+        fmt::format("all of the first {} rows are the same, whatever their parameters", x.rows()))};
+  }
+  const auto is_count = [](float value) { return !(std::abs(value - std::round(value)) > 0.0f); };
+  if (x.cols() == 1 || std::ranges::all_of(x.reshaped(), is_count)) return {};
   Index others = 0, unique = 0;
   const auto size = [](const std::vector<Index>& rows) { return rows.size(); };
   const std::vector<Index>& largest = *std::ranges::max_element(groups, {}, size);

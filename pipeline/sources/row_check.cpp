@@ -145,7 +145,7 @@ Findings check_rows(RowSimulator& simulator, const GivenRows& rows, bool has_noi
   const std::vector<Index> good = good_rows(rows.result);
   if (std::ssize(good) < kFewestRows) return {};
   const RowDistance distance(rows.result, good);
-  if (!distance.any_varies()) return {warning(kSameRows)};
+  if (!distance.any_varies()) return {};
   Findings found;
   const std::vector<Index> telling = telling_rows(rows.result, good);
   if (!are_repeatable(simulator, rows, good, telling, distance)) {

@@ -132,7 +132,11 @@ class WorkerCall final : public ProgramCall {
     reply.warnings = warnings_;
     if (reply.succeeded()) {
       reply.problem = message;
-      body_.empty() && n > 0 ? void(reply.status = RolloutStatus::crashed) : take(n, reply);
+      if (body_.empty()) {
+        reply.status = RolloutStatus::crashed;
+      } else {
+        take(n, reply);
+      }
     }
     reply.summary =
         fmt::format("{} after {:.3g} s", reply.problem.empty() ? "done" : "failed", given.seconds);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ranges>
 #include <unordered_set>
 
 #include "core/error.h"
@@ -75,13 +76,8 @@ std::vector<std::string> labels_of(const std::vector<Channel>& columns) {
 std::vector<std::string> few_shortened(const std::vector<std::string>& names) {
   constexpr std::size_t most = 10;
   std::vector<std::string> few;
-  for (const std::string& name : names) {
-    if (few.size() == most) {
-      few.push_back(fmt::format("and {} more", names.size() - most));
-      break;
-    }
-    few.push_back(shortened(name));
-  }
+  for (const std::string& name : names | std::views::take(most)) few.push_back(shortened(name));
+  if (names.size() > most) few.push_back(fmt::format("and {} more", names.size() - most));
   return few;
 }
 

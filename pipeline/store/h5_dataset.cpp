@@ -2,8 +2,10 @@
 #include <hdf5_hl.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "core/printable.h"
 #include "pipeline/store/h5_detail.h"
 #include "pipeline/store/h5_virtual.h"
 
@@ -17,6 +19,24 @@ constexpr std::uint64_t kTrustedBytes = 64 << 20;
 
 Handle type_of(const Object& dataset) {
   return opened(H5Dget_type(dataset.id()), dataset.where(), "be opened");
+}
+
+// The first filter of a dataset that this HDF5 lacks, such as h5py's lzf; "": it has them all.
+std::string missing_filter(const Object& dataset) {
+  const Handle settings = properties_of(dataset);
+  const int count = H5Pget_nfilters(settings.id());
+  for (int i = 0; i < count; ++i) {
+    std::array<char, 64> name = {};
+    std::size_t num_values = 0;
+    unsigned flags = 0, config = 0;
+    const H5Z_filter_t filter =
+        H5Pget_filter2(settings.id(), static_cast<unsigned>(i), &flags, &num_values, nullptr,
+                       name.size() - 1, name.data(), &config);
+    if (filter >= 0 && H5Zfilter_avail(filter) == 0) {
+      return name[0] == '\0' ? std::to_string(filter) : printable_line(name.data());
+    }
+  }
+  return "";
 }
 
 Handle space_of(const Object& dataset) {
@@ -161,7 +181,12 @@ void Dataset::read_raw(ElementType type, Index begin, Index count, void* values)
   const Handle memory = select_rows(space.id(), shape_, begin, count);
   const Handle element = memory_type(type);
   if (H5Dread(id(), element.id(), memory.id(), space.id(), H5P_DEFAULT, values) < 0) {
-    fail_reading(where(), "be read");
+    const hid_t why = H5Eget_current_stack();
+    const std::string filter = missing_filter(*this);
+    H5Eset_current_stack(why);
+    if (filter.empty()) fail_reading(where(), "be read");
+    throw InputError(where() + ": is compressed by '" + filter +
+                     "', which the HDF5 library here can't undo; write it with gzip, or as it is");
   }
 }
 

@@ -91,7 +91,7 @@ TEST(Terminal, ShowsWhyACallOfTheSimulatorFailedWhileItIsRepeated) {
                               {.err = terminal.name()});
   EXPECT_EQ(outcome.status, 0);
   const std::string shown = terminal.text();
-  EXPECT_NE(shown.find("a call of 64 rows failed: exit status 9"), std::string::npos) << shown;
+  EXPECT_NE(shown.find("64 of 64 rows failed: exit status 9"), std::string::npos) << shown;
 }
 
 // The longest label has 36 characters: with keys its row has 80.
