@@ -4,13 +4,12 @@
 #include <span>
 
 #include "pipeline/sources/dataset_rows.h"
-#include "pipeline/sources/lost_number.h"
 #include "pipeline/sources/precision.h"
+#include "pipeline/sources/row_simulator.h"
 #include "pipeline/sources/source_kinds.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
-
 namespace {
 
 class DatasetRows final : public RowSimulator {

@@ -12,7 +12,6 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/sources/lost_number.h"
 #include "pipeline/sources/row_simulator.h"
 #include "sim/segments.h"
 #include "sim/simulator_check.h"
