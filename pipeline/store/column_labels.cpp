@@ -14,9 +14,16 @@
 namespace npdr::pipeline {
 namespace {
 
-// Names and units go on to terminals, tables and keys.
-std::vector<std::string> printable_texts(const h5::Dataset& dataset, const char* attribute) {
+// One text a column; none where there is no such attribute. Names and units go on to terminals,
+// tables and keys.
+std::vector<std::string> column_texts(const h5::Dataset& dataset, const char* attribute,
+                                      Index num_columns) {
+  if (!dataset.has_attribute(attribute)) return {};
   auto texts = dataset.attribute<std::vector<std::string>>(attribute);
+  if (std::ssize(texts) != num_columns) {
+    throw InputError(fmt::format("{} has {} columns, but {} {}", dataset.where(), num_columns,
+                                 texts.size(), attribute));
+  }
   std::ranges::transform(texts, texts.begin(), printable_line);
   return texts;
 }
@@ -37,12 +44,7 @@ void require_distinct(const h5::Dataset& dataset, const std::vector<std::string>
 }  // namespace
 
 std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_columns) {
-  if (!dataset.has_attribute("labels")) return {};
-  const std::vector<std::string> labels = printable_texts(dataset, "labels");
-  if (static_cast<Index>(labels.size()) != num_columns) {
-    throw InputError(fmt::format("{} has {} columns, but {} labels", dataset.where(), num_columns,
-                                 labels.size()));
-  }
+  const std::vector<std::string> labels = column_texts(dataset, "labels", num_columns);
   require_distinct(dataset, labels);
   return labels;
 }
@@ -50,13 +52,10 @@ std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_col
 std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns) {
   std::vector<Channel> channels = parse_features(column_labels(dataset, num_columns));
   require_distinct(dataset, labels_of(channels));  // without their units
-  if (!dataset.has_attribute("units")) return channels;
-  const std::vector<std::string> units = printable_texts(dataset, "units");
-  if (units.size() != channels.size()) {
-    throw InputError(fmt::format("{} has {} labels, but {} units", dataset.where(), channels.size(),
-                                 units.size()));
+  const std::vector<std::string> units = column_texts(dataset, "units", num_columns);
+  for (std::size_t c = 0; c < std::min(units.size(), channels.size()); ++c) {
+    channels[c].unit = units[c];
   }
-  for (std::size_t c = 0; c < units.size(); ++c) channels[c].unit = units[c];
   return channels;
 }
 

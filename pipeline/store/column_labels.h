@@ -15,7 +15,7 @@ std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_col
 
 /// Labels with units, of `label [unit]` or the attribute `units`; "1" where there is none. Throws
 /// InputError as column_labels() does, also for labels that differ in their units alone, and for
-/// more or fewer units than labels.
+/// more or fewer units than columns.
 std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns);
 
 /// Sets both attributes. Throws Error when that fails.
