@@ -1,8 +1,5 @@
-#include <fcntl.h>
 #include <hdf5_hl.h>
-#include <sys/file.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <ctime>
 
@@ -128,13 +125,6 @@ TEST_F(H5File, EqualContentGivesEqualFiles) {
 }
 
 TEST_F(H5File, SaysWhyItCantBeOpened) {
-  const auto path = written_h5(folder_ / "a.h5", [](File&) {});
-  const int somebody = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
-  ASSERT_EQ(::flock(somebody, LOCK_EX), 0);
-  EXPECT_EQ(message_of<Error>([&] { File::open(path); }, &folder_),
-            "a.h5: can't be opened: unable to lock file: Resource temporarily unavailable; try "
-            "again later");
-  ::close(somebody);
   const std::string name(5000, 'a');
   EXPECT_EQ(problem([&] { File::open(name); }),
             name + ": can't be opened: unable to open file: File name too long");

@@ -1,5 +1,6 @@
 #include "pipeline/store/h5.h"
 
+#include <array>
 #include <functional>
 #include <numeric>
 
@@ -64,7 +65,7 @@ TEST_F(H5, MatricesVectorsAndScalarsOfEveryTypeSurviveARoundTrip) {
     file.write("u8", u8);
     file.write("none", RowMatrix(0, 3));
     file.write("wide", wide, {.deflate = 1});
-    file.write_scalar("scalar", 0.1);
+    file.create_dataset("scalar", ElementType::f64, {}).write_rows<double>(0, 1, std::array{0.1});
     file.write_texts("texts", texts);
     file.write_texts("no_texts", {});
     file.write_text("text", "one");
