@@ -17,6 +17,10 @@ constexpr double kTimeTolerance = 0.05;
 constexpr double kStepTolerance = 1e-3;
 // A straight line may stand for a few lost samples, not for more of the motion.
 constexpr double kLongestGap = 10.0;
+// Part of a step that the duration may lack for one more: rounded times.
+constexpr double kRounding = 1e-3;
+// Straight lines say nothing new, but fill the memory.
+constexpr double kMostRowsPerRow = 1000.0;
 
 std::vector<double> differences(const std::vector<double>& times) {
   std::vector<double> steps;
@@ -74,19 +78,47 @@ double mean_step(const CsvRows& rows) {
   return dt;
 }
 
+void check_to_resample(const CsvRows& rows, double dt) {
+  const std::vector<double> steps = differences(rows.times);
+  const double usual = std::max(steps_of(rows.times).median, dt);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const std::string place = place_of(rows, i + 1);
+    if (!(steps[i] > 0.0)) {
+      throw InputError(
+          fmt::format("{} is {:.6g} after the line before: times must increase", place, steps[i]));
+    }
+    if (steps[i] <= kLongestGap * usual) continue;
+    throw InputError(fmt::format(
+        "{} is {:.6g} after the line before, must be at most {:.6g}, {} steps: too much "
+        "is missing to interpolate; cut the file there",
+        place, steps[i], kLongestGap * usual, kLongestGap));
+  }
+}
+
+// The interval between two times that holds `time`; its first row.
+Index interval_of(const std::vector<double>& times, double time) {
+  const auto after = std::ranges::upper_bound(times, time);
+  const Index row = after - times.begin() - 1;
+  return std::clamp<Index>(row, 0, static_cast<Index>(times.size()) - 2);
+}
+
+Index num_steps_of(const CsvRows& rows, double dt) {
+  const double steps = (rows.times.back() - rows.times.front()) / dt;
+  const double most = kMostRowsPerRow * static_cast<double>(rows.times.size());
+  const double whole = std::floor(steps + kRounding);
+  if (whole >= 1.0 && steps <= most) return static_cast<Index>(whole);
+  throw InputError(
+      fmt::format("{}: --resample {} makes {:.3g} steps of {} rows, must make 1 to "
+                  "{:.0f}",
+                  rows.name, dt, steps, rows.times.size(), most));
+}
+
 }  // namespace
 
 TimeSteps steps_of(const std::vector<double>& times) {
   std::vector<double> steps = differences(times);
   std::ranges::sort(steps);
   return {steps.front(), quantile_of_sorted(steps, 0.5, Between::upper), steps.back()};
-}
-
-double share_of_gaps(const std::vector<double>& times, double dt) {
-  const double usual = std::max(steps_of(times).median, dt);
-  double gaps = 0.0;
-  for (const double step : differences(times)) gaps += step > 2.0 * usual ? step : 0.0;
-  return gaps / (times.back() - times.front());
 }
 
 double even_step(const CsvRows& rows, const std::optional<double>& given) {
@@ -106,34 +138,28 @@ void require_step(const CsvRows& rows, const std::optional<double>& given, doubl
   if (rows.times.empty() || is_same_step(rows, step, dt)) return;
   const std::string found = fmt::format(
       "{}: its times are {:.6g} s apart, those of the first file {:.6g} s", rows.name, step, dt);
-  const double ratio = std::max(step / dt, dt / step);
-  constexpr double tolerance = 0.05;
-  for (const double unit : {1e3, 1e6}) {
-    if (std::abs(ratio / unit - 1.0) > tolerance) continue;
-    throw InputError(
-        fmt::format("{}: one of the two is probably in another unit (ms, us); convert "
-                    "it, as --scale is for all files",
-                    found));
-  }
-  throw InputError(
-      fmt::format("{}; --resample {:.3g} makes them alike", found, std::max(step, dt)));
+  throw InputError(fmt::format(
+      "{}; --resample {:.3g} makes them alike, unless one of the two is in another unit", found,
+      std::max(step, dt)));
 }
 
-void check_times_to_resample(const CsvRows& rows, double dt) {
-  const std::vector<double> steps = differences(rows.times);
-  const double usual = std::max(steps_of(rows.times).median, dt);
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const std::string place = place_of(rows, i + 1);
-    if (!(steps[i] > 0.0)) {
-      throw InputError(
-          fmt::format("{} is {:.6g} after the line before: times must increase", place, steps[i]));
-    }
-    if (steps[i] <= kLongestGap * usual) continue;
-    throw InputError(fmt::format(
-        "{} is {:.6g} after the line before, must be at most {:.6g}, {} steps: too much "
-        "is missing to interpolate; cut the file there",
-        place, steps[i], kLongestGap * usual, kLongestGap));
+Rollout resampled(const CsvRows& rows, const Rollout& rollout, double dt) {
+  check_to_resample(rows, dt);
+  const Index num_steps = num_steps_of(rows, dt);
+  const std::vector<double>& times = rows.times;
+  const RowMatrix &states = rollout.states, &actions = rollout.actions;
+  Rollout even{rollout.name, RowMatrix(num_steps + 1, states.cols()),
+               RowMatrix(num_steps, actions.cols())};
+  for (Index k = 0; k <= num_steps; ++k) {
+    const double time = times.front() + static_cast<double>(k) * dt;
+    const Index row = interval_of(times, time);
+    const double begin = times[static_cast<std::size_t>(row)];
+    const double length = times[static_cast<std::size_t>(row + 1)] - begin;
+    const double part = std::clamp((time - begin) / length, 0.0, 1.0);
+    even.states.row(k) = (1.0 - part) * states.row(row) + part * states.row(row + 1);
+    if (k < num_steps) even.actions.row(k) = actions.row(interval_of(times, time + 0.5 * dt));
   }
+  return even;
 }
 
 }  // namespace npdr::pipeline

@@ -57,8 +57,8 @@ TEST_F(DatasetFiles, NamesMustBeThere) {
     return message_of<InputError>([&] { DatasetFile(folder_ / "d.h5", parameters, features); },
                                   &folder_);
   };
-  EXPECT_TRUE(says(problem({"a", "c"}, {}),
-                   {"d.h5: dataset 'theta': has no parameter 'c'", "it has a, b"}));
+  EXPECT_TRUE(
+      says(problem({"a", "c"}, {}), {"d.h5: dataset 'theta': has no column 'c'", "it has a, b"}));
   EXPECT_TRUE(says(problem({"a"}, {{"p", "1"}, {"r", "1"}}),
                    {"d.h5: dataset 'x': has no column 'r'", "it has p, q"}));
   const DatasetFile swapped(folder_ / "d.h5", {"b"}, {{"q", "1"}, {"p", "1"}});

@@ -174,7 +174,8 @@ TEST_F(EditedRecording, NamesMissingParts) {
                    {"a.h5: has no dataset 'states'", "it has actions, rollout"}));
   EXPECT_EQ(reading([](hid_t file) { H5Adelete(file, "dt"); }), "a.h5: attribute 'dt' is missing");
   EXPECT_EQ(reading([](hid_t file) { H5Adelete_by_name(file, "actions", "units", H5P_DEFAULT); }),
-            "a.h5: dataset 'actions': attribute 'units' is missing");
+            "a.h5: dataset 'actions' must have the attributes 'labels' and 'units', one text per "
+            "channel");
 }
 
 TEST_F(EditedRecording, ChecksTheTimeStep) {
@@ -252,10 +253,9 @@ TEST_F(EditedRecording, ChecksTheChannelsAgainstTheSimulators) {
                                      must}));
   target = twin();
   target.state_channels[1].unit = "deg";
-  EXPECT_TRUE(
-      says(reading(target), {"a.h5: dataset 'states': channels are theta [rad], alpha "
-                             "[deg], theta_dot [rad/s], alpha_dot [rad/s]",
-                             must, "only units differ,", "correct the unit that is wrong"}));
+  EXPECT_TRUE(says(reading(target), {"a.h5: dataset 'states': channels are theta [rad], alpha "
+                                     "[deg], theta_dot [rad/s], alpha_dot [rad/s]",
+                                     must, "convert its columns"}));
   target = twin();
   target.action_channels[0].label = "torque";
   EXPECT_TRUE(says(reading(target),
@@ -283,8 +283,7 @@ TEST_F(EditedRecording, PicksTheSimulatorsChannels) {
   }
   recorded.state_channels[0].label = "theta";
   EXPECT_TRUE(
-      says(reading(recorded),
-           {"a.h5: dataset 'states' has two channels with the label 'theta'", "rename one"}));
+      says(reading(recorded), {"a.h5: dataset 'states': two columns have the label 'theta'"}));
 }
 
 TEST_F(EditedRecording, NamesTheNanItFinds) {

@@ -42,7 +42,7 @@ TEST(RecordingWarnings, AnglesThatWrap) {
   for (double& angle : target.rollouts[1].states.col(0)) {
     angle = std::remainder(angle, 2.0 * std::numbers::pi);
   }
-  EXPECT_TRUE(says(warning(target), {"alpha jumps by -6.249", "of rollout b", "it wraps"}));
+  EXPECT_TRUE(says(warning(target), {"rollout b: alpha jumps by -6.249 after row", "it wraps"}));
 }
 
 TEST(RecordingWarnings, RatesInDegrees) {
@@ -91,7 +91,7 @@ TEST(RecordingWarnings, Copies) {
   Target target = turning();
   target.rollouts[1] = target.rollouts[0];
   target.rollouts[1].name = "b";
-  EXPECT_TRUE(says(warning(target), {"rollout b holds the same numbers as a"}));
+  EXPECT_TRUE(says(warning(target), {"rollout b holds the same numbers as rollout a"}));
 }
 
 }  // namespace

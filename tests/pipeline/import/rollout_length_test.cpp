@@ -6,12 +6,10 @@
 namespace npdr::pipeline {
 namespace {
 
-const std::vector<std::string> kCsvFiles = {"a.csv", "b.csv"};
-
 Target target_of(const std::vector<Index>& lengths) {
   Target target{0.1, {{"x", "m"}}, {{"u", "V"}}, {}, "test"};
   for (const Index length : lengths) {
-    const std::string name = kCsvFiles[target.rollouts.size()].substr(0, 1);
+    const std::string name = target.rollouts.empty() ? "a" : "b";
     target.rollouts.push_back(
         {name, Vector::LinSpaced(length + 1, 0.0, 1.0), Vector::Ones(length)});
   }
@@ -21,7 +19,7 @@ Target target_of(const std::vector<Index>& lengths) {
 TEST(RolloutLength, IsCutIntoPiecesOfTheShortestOrANumber) {
   Target target = target_of({5, 3});
   EXPECT_EQ(
-      texts_of(cut_rollouts(target, 0, kCsvFiles)),
+      texts_of(cut_rollouts(target, 0)),
       std::vector<std::string>{
           "cut into rollouts of 3 steps: 1 of a (2 steps dropped), 1 of b (0 steps dropped)"});
   target.check("x");
@@ -30,7 +28,7 @@ TEST(RolloutLength, IsCutIntoPiecesOfTheShortestOrANumber) {
   EXPECT_DOUBLE_EQ(target.rollouts[0].states(3, 0), 0.6) << "the first steps are kept";
 
   Target long_one = target_of({5, 3});
-  cut_rollouts(long_one, 2, kCsvFiles);
+  cut_rollouts(long_one, 2);
   long_one.check("x");
   ASSERT_EQ(long_one.num_rollouts(), 3);
   EXPECT_EQ(long_one.rollouts[1].name, "a.2");
@@ -41,7 +39,7 @@ TEST(RolloutLength, IsCutIntoPiecesOfTheShortestOrANumber) {
 
 TEST(RolloutLength, IsLeftAsItIsWhereAllAreEqual) {
   Target equal = target_of({3, 3});
-  EXPECT_TRUE(cut_rollouts(equal, {}, kCsvFiles).empty());
+  EXPECT_TRUE(cut_rollouts(equal, {}).empty());
 }
 
 }  // namespace
