@@ -8,7 +8,6 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "inference/ensemble.h"
-#include "pipeline/artefacts/json_attribute.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/config/study_fields.h"
 

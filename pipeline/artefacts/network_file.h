@@ -6,8 +6,21 @@
 
 #include "inference/network_posterior.h"
 #include "pipeline/artefacts/layout.h"
+#include "pipeline/config/study_json.h"
+#include "pipeline/store/hostile_json.h"
 
 namespace npdr::pipeline {
+
+/// Settings as an attribute: JSON, as in the resolved study.
+template <class Config>
+void describe_json(Layout f, const std::string& name, Config& config, const char* meaning) {
+  std::string text = to_json(config).dump();
+  f.attribute(name, text, meaning);
+  if (f.reads()) {
+    const std::string where = f.where() + ": attribute '" + name + "'";
+    config = from_json<Config>(parse_json(text, where), where);
+  }
+}
 
 /// What the network is, as attributes of the file: role, settings, what its structure depends on.
 void describe_architecture(Layout f, inference::NetworkParts& parts);

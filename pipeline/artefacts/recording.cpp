@@ -6,7 +6,6 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
-#include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/artefacts/outside_file.h"
 #include "pipeline/store/column_labels.h"
@@ -51,25 +50,15 @@ void require_short_texts(const std::string& where, const Target& target) {
 }
 
 std::vector<Channel> read_channels(const h5::Dataset& dataset) {
-  auto labels = dataset.attribute<std::vector<std::string>>("labels");
-  auto units = dataset.attribute<std::vector<std::string>>("units");
-  for (auto* texts : {&labels, &units}) {
-    for (std::string& text : *texts) text = printable_line(text);  // not every program's are UTF-8
-  }
-  const auto count = static_cast<std::size_t>(dataset.shape()[2]);
-  if (labels.size() != count || units.size() != count) {
-    throw InputError(fmt::format("{} has {} channels, but {} labels and {} units", dataset.where(),
-                                 count, labels.size(), units.size()));
+  const Index count = dataset.shape()[2];
+  const std::vector<std::string> labels = column_labels(dataset, count);
+  const std::vector<std::string> units = column_units(dataset, labels.size());
+  if (std::ssize(labels) != count || std::ssize(units) != count) {
+    throw InputError(dataset.where() +
+                     " must have the attributes 'labels' and 'units', one text per channel");
   }
   std::vector<Channel> channels;
-  for (std::size_t c = 0; c < count; ++c) {
-    if (std::ranges::find(labels.begin(), labels.begin() + std::ptrdiff_t(c), labels[c]) !=
-        labels.begin() + std::ptrdiff_t(c)) {
-      throw InputError(fmt::format("{} has two channels with the label '{}'; rename one",
-                                   dataset.where(), labels[c]));
-    }
-    channels.push_back({labels[c], units[c]});
-  }
+  for (std::size_t c = 0; c < labels.size(); ++c) channels.push_back({labels[c], units[c]});
   require_short(dataset.where(), channels);
   return channels;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "core/error.h"
 #include "core/quantile.h"
@@ -17,6 +18,13 @@ namespace {
 constexpr double kDegrees = 360.0;
 constexpr double kRadians = 2.0 * std::numbers::pi;
 constexpr Index kNeighbors = 2;  // steps on each side that say how fast the angle moves
+
+// A whole turn; none in other units.
+std::optional<double> turn_in(const std::string& unit) {
+  if (unit == "rad") return kRadians;
+  if (unit == "deg") return kDegrees;
+  return std::nullopt;
+}
 
 // The steps around step t, without t itself.
 std::vector<double> steps_around(const Vector& steps, Index t, Index neighbors = kNeighbors) {
@@ -92,12 +100,6 @@ Findings find_turns(const Target& recording, Index c) {
 }
 
 }  // namespace
-
-std::optional<double> turn_in(const std::string& unit) {
-  if (unit == "rad") return kRadians;
-  if (unit == "deg") return kDegrees;
-  return std::nullopt;
-}
 
 AngleJumps find_jumps(const Vector& angle, const std::string& unit) {
   const std::optional<double> turn = turn_in(unit);

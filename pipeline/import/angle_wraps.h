@@ -1,7 +1,6 @@
 /// Angles that a device wraps: at the end of a turn they jump back by a whole one.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,9 +9,6 @@
 #include "core/types.h"
 
 namespace npdr::pipeline {
-
-/// A whole turn: 2 pi in "rad", 360 in "deg"; none in other units.
-std::optional<double> turn_in(const std::string& unit);
 
 /// Jumps of one period.
 struct AngleJumps {

@@ -95,25 +95,19 @@ double noise_near(const Vector& position, Index t) {
   return sigma;
 }
 
-// The largest one of a rollout; none of what noise explains.
-Bend bend_of(const Target& target, const RatePair& pair, std::size_t h, bool at_rest) {
-  const Rollout& rollout = target.rollouts[h];
-  const Vector position = rollout.states.col(pair.position);
-  const Vector rate = rollout.states.col(pair.rate);
-  Vector differences = (sim::slopes(position, kShortest, target.dt) - rate).cwiseAbs();
-  if (at_rest) differences(0) = 0.0;  // that rate isn't a slope
-  Index t = 0;
-  const double most = differences.maxCoeff(&t);
-  const bool is_large = most > kLeastOfLargest * rate.cwiseAbs().maxCoeff() &&
-                        most > kExplained * noise_near(position, t) / target.dt;
-  return is_large ? Bend{h, t, most} : Bend{};
-}
-
+// The largest one; none of what noise explains.
 Bend largest_bend(const Target& target, const RatePair& pair, bool at_rest) {
   Bend largest;
   for (std::size_t h = 0; h < target.rollouts.size(); ++h) {
-    const Bend bend = bend_of(target, pair, h, at_rest);
-    if (bend.difference > largest.difference) largest = bend;
+    const Vector position = target.rollouts[h].states.col(pair.position);
+    const Vector rate = target.rollouts[h].states.col(pair.rate);
+    Vector differences = (sim::slopes(position, kShortest, target.dt) - rate).cwiseAbs();
+    if (at_rest) differences(0) = 0.0;  // that rate isn't a slope
+    Index t = 0;
+    const double most = differences.maxCoeff(&t);
+    const bool is_large = most > kLeastOfLargest * rate.cwiseAbs().maxCoeff() &&
+                          most > kExplained * noise_near(position, t) / target.dt;
+    if (is_large && most > largest.difference) largest = {h, t, most};
   }
   return largest;
 }

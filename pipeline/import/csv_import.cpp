@@ -78,13 +78,10 @@ Target take_rollouts(std::vector<CsvRows>& files) {
 
 // Puts rollouts on one dt; their lengths may differ.
 void make_even(Target& target, const std::vector<CsvRows>& files, const CsvOptions& options) {
-  target.dt = options.resample ? *options.resample : even_step(files.front(), options.dt);
+  target.dt = options.resample ? *options.resample : even_step(files, options.dt);
+  if (!options.resample) return;
   for (std::size_t h = 0; h < files.size(); ++h) {
-    if (options.resample) {
-      target.rollouts[h] = resampled(files[h], target.rollouts[h], *options.resample);
-    } else {
-      require_step(files[h], options.dt, target.dt);
-    }
+    target.rollouts[h] = resampled(files[h], target.rollouts[h], target.dt);
   }
 }
 

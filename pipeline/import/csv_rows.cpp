@@ -74,24 +74,18 @@ class ColumnFinder {
     return std::ranges::find(labels_, label) != labels_.end();
   }
 
-  // The channel that this one is the rate of, where the file has its column; null: none.
-  const Channel* position_of(const Channel& rate) const {
-    for (const Channel& channel : options_.channels.states) {
-      if (is_rate_of(rate, channel) && has(channel.label)) return &channel;
-    }
-    return nullptr;
-  }
-
+  // A rate without a column is computed of its position.
   Column state(const Channel& channel) const {
-    const Channel* position = has(channel.label) ? nullptr : position_of(channel);
-    if (position == nullptr) return column(channel);
-    if (options_.differentiate) return {{}, 1.0, {channel.label, unit_of_slope(*position)}};
-    throw InputError(fmt::format("{}; --differentiate computes it of '{}'", lack_of(channel.label),
-                                 position->label));
-  }
-
-  std::string unit_of_slope(const Channel& position) const {
-    return rate_unit(column(position).channel.unit);
+    if (has(channel.label)) return column(channel);
+    for (const Channel& position : options_.channels.states) {
+      if (!is_rate_of(channel, position) || !has(position.label)) continue;
+      if (options_.differentiate) {
+        return {{}, 1.0, {channel.label, rate_unit(column(position).channel.unit)}};
+      }
+      throw InputError(fmt::format("{}; --differentiate computes it of '{}'",
+                                   lack_of(channel.label), position.label));
+    }
+    throw InputError(lack_of(channel.label));
   }
 
   std::string lack_of(const std::string& label) const {

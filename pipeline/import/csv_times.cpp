@@ -45,16 +45,14 @@ std::string resample_hint(const TimeSteps& steps) {
 }
 
 // A lost line is found where it is missing.
-void check_steps(const CsvRows& rows) {
+void require_steps(const CsvRows& rows, double least, double most, const std::string& advice) {
   const std::vector<double> steps = differences(rows.times);
-  const TimeSteps all = steps_of(rows.times);
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const bool is_usual = std::abs(steps[i] - all.median) <= 2.0 * kTimeTolerance * all.median;
-    if (steps[i] > 0.0 && is_usual) continue;
+    if (steps[i] > 0.0 && steps[i] >= least && steps[i] <= most) continue;
     throw InputError(
-        fmt::format("{} is {:.6g} after the line before, elsewhere {:.6g}: times must be equally "
-                    "spaced and increase{}",
-                    place_of(rows, i + 1), steps[i], all.median, resample_hint(all)));
+        fmt::format("{} is {:.6g} after the line before, must be {:.4g} to {:.4g}: times must "
+                    "increase{}",
+                    place_of(rows, i + 1), steps[i], least, most, advice));
   }
 }
 
@@ -65,34 +63,32 @@ bool is_same_step(const CsvRows& rows, double step, double dt) {
 
 // Mean step of equally spaced times.
 double mean_step(const CsvRows& rows) {
-  check_steps(rows);
   const std::vector<double>& times = rows.times;
+  const TimeSteps steps = steps_of(times);
+  const std::string advice = ", equally spaced" + resample_hint(steps);
+  require_steps(rows, (1.0 - 2.0 * kTimeTolerance) * steps.median,
+                (1.0 + 2.0 * kTimeTolerance) * steps.median, advice);
   const double dt = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
   for (std::size_t row = 0; row < times.size(); ++row) {
     const double expected = times.front() + static_cast<double>(row) * dt;
     if (std::abs(times[row] - expected) <= kTimeTolerance * dt) continue;
-    throw InputError(
-        fmt::format("{} = {}, must be {:.6g}: times must be equally spaced and increase{}",
-                    place_of(rows, row), times[row], expected, resample_hint(steps_of(times))));
+    throw InputError(fmt::format("{} = {}, must be {:.6g}: times must increase{}",
+                                 place_of(rows, row), times[row], expected, advice));
   }
   return dt;
 }
 
-void check_to_resample(const CsvRows& rows, double dt) {
-  const std::vector<double> steps = differences(rows.times);
-  const double usual = std::max(steps_of(rows.times).median, dt);
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const std::string place = place_of(rows, i + 1);
-    if (!(steps[i] > 0.0)) {
-      throw InputError(
-          fmt::format("{} is {:.6g} after the line before: times must increase", place, steps[i]));
-    }
-    if (steps[i] <= kLongestGap * usual) continue;
-    throw InputError(fmt::format(
-        "{} is {:.6g} after the line before, must be at most {:.6g}, {} steps: too much "
-        "is missing to interpolate; cut the file there",
-        place, steps[i], kLongestGap * usual, kLongestGap));
+// `given`, with which the times must agree, or their mean step.
+double step_of(const CsvRows& rows, const std::optional<double>& given) {
+  if (rows.times.empty()) return given.value();
+  const double dt = mean_step(rows);
+  if (given && !is_same_step(rows, dt, *given)) {
+    throw InputError(
+        fmt::format("{}: its times are {:.6g} s apart, but --dt says {} s: leave out --dt, or "
+                    "rename {} if it is no clock",
+                    rows.name, dt, *given, rows.time_place));
   }
+  return given.value_or(dt);
 }
 
 // The interval between two times that holds `time`; its first row.
@@ -121,30 +117,23 @@ TimeSteps steps_of(const std::vector<double>& times) {
   return {steps.front(), quantile_of_sorted(steps, 0.5, Between::upper), steps.back()};
 }
 
-double even_step(const CsvRows& rows, const std::optional<double>& given) {
-  if (rows.times.empty()) return given.value();
-  const double dt = mean_step(rows);
-  if (given && !is_same_step(rows, dt, *given)) {
-    throw InputError(
-        fmt::format("{}: its times are {:.6g} s apart, but --dt says {} s: leave out --dt, or "
-                    "rename {} if it is no clock",
-                    rows.name, dt, *given, rows.time_place));
+double even_step(const std::vector<CsvRows>& files, const std::optional<double>& given) {
+  double dt = 0.0;
+  for (const CsvRows& rows : files) {
+    const double step = step_of(rows, given);
+    if (&rows == &files.front()) dt = step;
+    if (rows.times.empty() || is_same_step(rows, step, dt)) continue;
+    throw InputError(fmt::format(
+        "{}: its times are {:.6g} s apart, those of the first file {:.6g} s; --resample {:.3g} "
+        "makes them alike, unless one of the two is in another unit",
+        rows.name, step, dt, std::max(step, dt)));
   }
-  return given.value_or(dt);
-}
-
-void require_step(const CsvRows& rows, const std::optional<double>& given, double dt) {
-  const double step = even_step(rows, given);
-  if (rows.times.empty() || is_same_step(rows, step, dt)) return;
-  const std::string found = fmt::format(
-      "{}: its times are {:.6g} s apart, those of the first file {:.6g} s", rows.name, step, dt);
-  throw InputError(fmt::format(
-      "{}; --resample {:.3g} makes them alike, unless one of the two is in another unit", found,
-      std::max(step, dt)));
+  return dt;
 }
 
 Rollout resampled(const CsvRows& rows, const Rollout& rollout, double dt) {
-  check_to_resample(rows, dt);
+  const double usual = std::max(steps_of(rows.times).median, dt);
+  require_steps(rows, 0.0, kLongestGap * usual, "; cut the file where too much is missing");
   const Index num_steps = num_steps_of(rows, dt);
   const std::vector<double>& times = rows.times;
   const RowMatrix &states = rollout.states, &actions = rollout.actions;

@@ -15,15 +15,11 @@ struct TimeSteps {
 
 TimeSteps steps_of(const std::vector<double>& times);
 
-/// Time between two rows [s]: `given`, else the mean of equally spaced times. None of them may be
-/// further than 5 % of it from where it belongs, and both must agree to 0.1 %, and what rounded
-/// times leave open: 10 % of a step over the whole rollout. Throws InputError, which says how
-/// uneven the clock is, and the option that helps.
-double even_step(const CsvRows& rows, const std::optional<double>& given);
-
-/// Throws InputError unless the file's step agrees with `dt` [s], that of the first file, as
-/// well as that.
-void require_step(const CsvRows& rows, const std::optional<double>& given, double dt);
+/// Time between two rows of all files [s]: `given`, else the mean of the first one's equally spaced
+/// times. None of them may be further than 5 % of it from where it belongs, and files and `given`
+/// must agree to 0.1 %, and what rounded times leave open: 10 % of a step over the whole rollout.
+/// Throws InputError, which says how uneven the clock is, and the option that helps.
+double even_step(const std::vector<CsvRows>& files, const std::optional<double>& given);
 
 /// A rollout at the times of such rows on an even grid t_0 + k dt, which begins at the first time
 /// and ends before, or at, the last one. States are interpolated linearly. An action is held from

@@ -35,7 +35,7 @@ constexpr std::array<KnownRatio, 5> kKnownRatios = {
      {"rad", kRadiansOfRpm, 0.02, true, "is probably in rpm"},
      {"deg", kDegreesOfRadian, kAlike, true, "is probably in radians"},
      {"deg", 1.0 / kDegreesOfRadian, kAlike, false, "is probably in radians"}}};
-constexpr KnownRatio kOpposite = {"", -1.0, kAlike, true, "has probably the wrong sign"};
+constexpr KnownRatio kOpposite = {"", -1.0, kAlike, true, "probably has the wrong sign"};
 
 struct CheckedPair {
   Channel position, rate;
@@ -106,7 +106,7 @@ std::optional<double> factor_of_dt(const std::vector<CheckedPair>& pairs) {
   std::vector<double> ratios;
   for (const CheckedPair& pair : pairs) {
     if (!is_known(pair)) continue;
-    if (!pair.ratio || known_ratio(*pair.ratio, pair.position.unit)) return std::nullopt;
+    if (!pair.ratio || known_ratio(*pair.ratio, pair.position.unit) != nullptr) return std::nullopt;
     ratios.push_back(*pair.ratio);
   }
   return shared_ratio(ratios);

@@ -45,21 +45,17 @@ TEST_F(FeatureFiles, NameThemselvesWhereNobodyElseHas) {
 }
 
 TEST_F(FeatureFiles, WithNamesNeedAnObservationWithNames) {
-  const auto problem = [&](const std::string& text, NamesFrom names_from = NamesFrom::nobody) {
+  const auto problem = [&](const std::string& text) {
     return message_of<InputError>(
         [&] {
           read_features(folder_.file("x.csv", text), FileFormat::csv, 1, numbered_features(2),
-                        {.names_from = names_from});
+                        {.names_from = NamesFrom::nobody});
         },
         &folder_);
   };
   EXPECT_EQ(problem("x1,x0 [m]\n1,2\n"), "");
   EXPECT_EQ(problem("1,2\n"), "");
-  EXPECT_TRUE(says(problem("x1,x2\n1,2\n"),
-                   {"x.csv: its columns are named x1, x2", "those of x_o have no names",
-                    "give x_o a header, or say the columns' order with simulator.features"}));
-  EXPECT_TRUE(says(problem("x1,x2\n1,2\n", NamesFrom::study), {"x.csv: has no column 'x0'"}))
-      << "the study has named it";
+  EXPECT_TRUE(says(problem("x1,x2\n1,2\n"), {"x.csv: has no column 'x0'", "it has x1, x2"}));
 }
 
 TEST_F(FeatureFiles, MustHaveTheRowsAndColumnsThatAreExpected) {

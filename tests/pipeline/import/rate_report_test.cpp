@@ -126,7 +126,7 @@ TEST(RateReport, OtherFactorsAndSignsAreNamed) {
                    {"theta changes", "another unit", "--scale theta=", "--scale theta_dot="}));
   EXPECT_TRUE(says(
       problem(with_factor(3, -1.0)),
-      {"alpha changes", "alpha_dot [rad/s] has probably the wrong sign", "--scale alpha_dot=-1"}));
+      {"alpha changes", "alpha_dot [rad/s] probably has the wrong sign", "--scale alpha_dot=-1"}));
 }
 
 TEST(RateReport, FindsColumnsThatAreSwapped) {

@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/diagnosis_checkpoint.h"
+#include "pipeline/artefacts/diagnosis_file.h"
 
 #include <gtest/gtest.h>
 
