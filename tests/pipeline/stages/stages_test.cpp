@@ -6,7 +6,7 @@
 #include "pipeline/plan/completeness.h"
 #include "pipeline/run/run_stage.h"
 
-#include "pipeline/artefacts/checkpoint_file.h"
+#include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"

@@ -1,4 +1,4 @@
-#include "pipeline/artefacts/checkpoint_file.h"
+#include "pipeline/artefacts/network_file.h"
 
 #include <gtest/gtest.h>
 
