@@ -8,7 +8,7 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr Index kBlock = 4096;  // rows that are read at once
+constexpr Index kMostAtOnce = 4096;  // rows that are read together
 // How far apart rows may lie that are read at once: what lies between is faster read than skipped.
 constexpr Index kNear = 16;
 
@@ -25,7 +25,8 @@ struct RowOrder {
   // One past those from the `begin`th on that are read at once.
   std::size_t end_of_block(std::size_t begin) const {
     std::size_t end = begin + 1;
-    while (end < ascending.size() && at(end) - at(end - 1) <= kNear && at(end) - at(begin) < kBlock)
+    while (end < ascending.size() && at(end) - at(end - 1) <= kNear &&
+           at(end) - at(begin) < kMostAtOnce)
       ++end;
     return end;
   }

@@ -73,7 +73,7 @@ Index position_of(const std::vector<Channel>& states, const std::string& label) 
   throw InputError("--unwrap: " + unknown_name("state", label, labels));
 }
 
-Findings find_turns(const Target& recording, Index c) {
+Findings turns_of(const Target& recording, Index c) {
   const auto& [label, unit] = recording.state_channels[static_cast<std::size_t>(c)];
   std::string first;
   bool are_degrees = false;
@@ -139,7 +139,7 @@ Index unwrap(Eigen::Ref<Vector, 0, Eigen::InnerStride<>> angle, double period) {
 
 Findings find_turns(const Target& recording) {
   Findings found;
-  for (Index c = 0; c < recording.num_states(); ++c) append(found, find_turns(recording, c));
+  for (Index c = 0; c < recording.num_states(); ++c) append(found, turns_of(recording, c));
   return found;
 }
 
