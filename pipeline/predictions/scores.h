@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pipeline/artefacts/prediction_scores.h"
+#include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/predictions/judge.h"
 #include "sim/noise_model.h"

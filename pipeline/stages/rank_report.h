@@ -1,7 +1,7 @@
 /// What becomes known of a diagnosis while it ranks: progress, and checkpoints.
 #pragma once
 
-#include "pipeline/artefacts/diagnosis_checkpoint.h"
+#include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/stages/checkpoint_times.h"
