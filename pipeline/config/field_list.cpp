@@ -11,6 +11,9 @@
 #include "pipeline/config/study_json.h"
 
 namespace npdr::pipeline {
+
+using Json = nlohmann::ordered_json;
+
 namespace {
 
 template <class T>

@@ -12,8 +12,6 @@
 
 namespace npdr::pipeline {
 
-using Json = nlohmann::ordered_json;
-
 /// A field, a table of fields, or a list of such tables.
 struct Field {
   enum class Kind { value, table, list };
@@ -22,7 +20,7 @@ struct Field {
   std::string key;
   std::string doc;
   FieldUse use;
-  Json value = {};                      ///< null where it is left out
+  nlohmann::ordered_json value = {};    ///< null where it is left out
   bool is_allowed = true;               ///< the value; a default that isn't makes a field required
   std::string type = {};                ///< such as "a finite number"
   std::string allowed = {};             ///< such as "> 0"; empty: everything of the type

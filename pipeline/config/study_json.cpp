@@ -9,6 +9,8 @@
 
 namespace npdr::pipeline {
 
+using Json = nlohmann::ordered_json;
+
 Json json_of(const Fields& fields, const std::function<bool(const FieldUse&)>& is_kept) {
   Json json = Json::object();
   for (const Field& field : fields) {

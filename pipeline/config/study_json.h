@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -15,25 +16,26 @@
 namespace npdr::pipeline {
 
 /// Those whose use `is_kept`.
-Json json_of(const Fields& fields, const std::function<bool(const FieldUse&)>& is_kept);
+nlohmann::ordered_json json_of(const Fields& fields,
+                               const std::function<bool(const FieldUse&)>& is_kept);
 
 /// A study, whose tables have the names of the study file's, or one part of it (fields_of()).
 template <class Config>
-Json to_json(const Config& config) {
+nlohmann::ordered_json to_json(const Config& config) {
   return json_of(fields_of(config), [](const FieldUse&) { return true; });
 }
-Json to_json(const std::vector<inference::Marginal>& prior);
+nlohmann::ordered_json to_json(const std::vector<inference::Marginal>& prior);
 
 /// The fields of a part that mean something and whose values are part of these artefacts' keys.
 template <class Config>
-Json key_json(const Config& config, Affects affects = Affects::results) {
+nlohmann::ordered_json key_json(const Config& config, Affects affects = Affects::results) {
   return json_of(fields_of(config), [affects](const FieldUse& use) {
     return use.affects == affects && use.unused.empty();
   });
 }
 
 /// The study without what affects nothing, and without fields that its documents are older than.
-Json document_json(const Study& study);
+nlohmann::ordered_json document_json(const Study& study);
 
 /// The inverse of to_json() for the parts that a posterior artefact needs to be used again: Config
 /// is one of sim::SimulatorConfig, SimulatorTable, inference::EmbeddingConfig, EstimatorConfig,
@@ -41,9 +43,10 @@ Json document_json(const Study& study);
 /// InputError that an unknown key, a wrong type or a value that isn't allowed throws. A missing key
 /// keeps its default, where that is allowed.
 template <class Config>
-Config from_json(const Json& json, const std::string& where);
+Config from_json(const nlohmann::ordered_json& json, const std::string& where);
 
 /// The inverse of to_json() of a prior. Throws InputError.
-std::vector<inference::Marginal> prior_from_json(const Json& json, const std::string& where);
+std::vector<inference::Marginal> prior_from_json(const nlohmann::ordered_json& json,
+                                                 const std::string& where);
 
 }  // namespace npdr::pipeline

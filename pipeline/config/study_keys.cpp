@@ -9,6 +9,9 @@
 #include "pipeline/config/field_list.h"
 
 namespace npdr::pipeline {
+
+using Json = nlohmann::ordered_json;
+
 namespace {
 
 // Values of fields are written in TOML as in JSON, but for tables, and a blank in lists.
