@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <limits>
 #include <optional>
 
@@ -11,7 +10,7 @@
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/stages/checkpoint_times.h"
+#include "pipeline/stages/checkpoints.h"
 #include "pipeline/stages/infer_methods.h"
 #include "pipeline/stages/power_search.h"
 #include "pipeline/stages/refined_rows.h"
@@ -53,9 +52,8 @@ class Refinement {
         node_(node),
         prior_(plan.study.prior),
         config_(plan.study.method(node.uses.front().method).refine.sampling),
-        checkpoint_(plan.work.checkpoint("infer", node.key)),
-        earlier_(kRefinementCheckpointSchema.read_if_there({checkpoint_, node.key})
-                     .value_or(RefinementCheckpoint())),
+        checkpoints_(plan, node, kRefinementCheckpointSchema),
+        earlier_(checkpoints_.read()),
         moves_(earlier_.moves.value_or(FirstStateMoves())),
         search_(earlier_.powers),
         sampler_(make_sampler()),
@@ -247,26 +245,21 @@ class Refinement {
   }
 
   void keep(Index failed) {
-    const auto now = Clock::now();
     const bool is_stopping = stop_requested() && !sampler_.is_done();
-    const bool is_due = seconds_between(saved_, now) > kSecondsBetweenCheckpoints;
-    if (!is_due && !is_stopping) return;
-    RefinementCheckpoint checkpoint{sampler_.state(), moves(), failed, search_.scores(),
-                                    earlier_.cost};
-    checkpoint.cost += cost_of_seconds(seconds_between(start_, now));
-    checkpoint.cost += rows_.cost_of_others();
-    checkpoint.cost.core_seconds -= rows_.unread_core_seconds();
-    kRefinementCheckpointSchema.write(checkpoint_, node_.identity, std::move(checkpoint));
+    if (!is_stopping && !checkpoints_.is_due()) return;
+    Cost cost = earlier_.cost;
+    cost += rows_.cost_of_others();
+    cost.core_seconds -= rows_.unread_core_seconds();
+    checkpoints_.save({sampler_.state(), moves(), failed, search_.scores(), cost});
     rows_.forget(num_draws());
-    saved_ = now;
-    if (is_stopping) throw Checkpointed(node_.label() + ": stopped on request, checkpoint written");
+    if (is_stopping) checkpoints_.stop();
   }
 
   const Plan& plan_;
   const Node& node_;
   inference::Prior prior_;
   inference::ImportanceConfig config_;
-  std::filesystem::path checkpoint_;
+  Checkpoints<RefinementCheckpoint> checkpoints_;
   RefinementCheckpoint earlier_;
   FirstStateMoves moves_;
   bool is_coarse_ = false;
@@ -275,8 +268,6 @@ class Refinement {
   SimulatedLikelihood likelihood_;
   RefinedRows rows_;
   Progress progress_;
-  Clock::time_point start_ = Clock::now();
-  Clock::time_point saved_ = start_;
 };
 
 void warn_of_failures(const Node& node, Index failed, Index num_draws, const std::string& why) {

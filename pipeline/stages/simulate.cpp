@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <numeric>
 
@@ -17,7 +16,7 @@
 #include "pipeline/process/progress.h"
 #include "pipeline/sources/first_rows.h"
 #include "pipeline/sources/repeated_outlier.h"
-#include "pipeline/stages/checkpoint_times.h"
+#include "pipeline/stages/checkpoints.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -153,7 +152,7 @@ void write_block(h5::File& file, const Simulation& simulation, Index begin, Inde
   first.row = static_cast<std::uint64_t>(begin);
   const RowMatrix complete = simulation.plan.source->parameters().complete(theta);
   const sim::Trajectories result = simulation.simulator->simulate(complete, first);
-  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const double seconds = seconds_since(start);
   const std::vector<float> row_seconds(static_cast<std::size_t>(count),
                                        static_cast<float>(seconds / static_cast<double>(count)));
   const std::vector<std::uint8_t> status = as_bytes(result.status);
