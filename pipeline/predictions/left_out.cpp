@@ -6,7 +6,6 @@
 #include "analysis/predictive_scores.h"
 #include "core/parallel.h"
 #include "inference/weighted_population.h"
-#include "pipeline/predictions/power_weights.h"
 #include "pipeline/predictions/prediction.h"
 
 namespace npdr::pipeline {
@@ -97,6 +96,10 @@ struct FactorScores {
 };
 
 }  // namespace
+
+Vector weights_at_power(const Vector& weights, const Vector& log_likelihood, double power) {
+  return inference::truncated(weights.array().log() + power * log_likelihood.array());
+}
 
 LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
                             const sim::Trajectories& rows, const Vector& weights, double power,

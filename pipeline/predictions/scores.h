@@ -1,11 +1,13 @@
 /// Scores of posterior predictions (analysis/predictive_scores.h), of the stored states.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/prediction_scores.h"
 #include "pipeline/plan/plan.h"
-#include "pipeline/predictions/judge.h"
+#include "pipeline/predictions/prediction.h"
 #include "sim/noise_model.h"
 #include "sim/trajectories.h"
 
@@ -42,10 +44,16 @@ NoiseOfSamples draw_noise_of_stored(const Observation& observation, const sim::T
 NoiseOfSamples draw_prior_noise(const Observation& observation, Index num_samples,
                                 const StreamId& id);
 
+/// What the recording says of the noise, as evaluations keep it. `noise`: that of the samples'
+/// predictions, `seen`: their rollouts. NaN of samples that failed, whose values are the prior's.
+/// None where all parameters of the noise are given.
+std::optional<InferredNoise> inferred_noise(const sim::NoiseModel& model,
+                                            const NoiseOfSamples& noise,
+                                            const sim::Trajectories& seen);
+
 /// Scores of the samples' rollouts, every state, as predictions of those that `judge` knows: with
 /// noise, of which there may be none, and without. Not for features.
-RolloutScores score(const Judge& judge, const sim::Trajectories& seen,
-                    const sim::Trajectories& held_out, const NoiseOfSamples& noise,
-                    const StreamId& id);
+RolloutScores score(const Judge& judge, const PredictedRollouts& predicted,
+                    const NoiseOfSamples& noise, const StreamId& id);
 
 }  // namespace npdr::pipeline

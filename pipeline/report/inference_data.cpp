@@ -8,7 +8,7 @@
 #include "core/constants.h"
 #include "inference/particle_posterior.h"
 #include "pipeline/artefacts/posterior_file.h"
-#include "pipeline/predictions/judge.h"
+#include "pipeline/predictions/prediction.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/utc_time.h"
 #include "pipeline/report/inference_chains.h"

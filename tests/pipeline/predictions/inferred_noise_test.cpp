@@ -1,8 +1,8 @@
-#include "pipeline/predictions/inferred_noise.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "pipeline/predictions/scores.h"
 
 namespace npdr::pipeline {
 namespace {
