@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
-#include "pipeline/report/inference_chains.h"
 #include "pipeline/report/inference_data.h"
 
 namespace npdr::pipeline {
@@ -22,12 +21,12 @@ struct ExportArguments {
 
 void export_study(const ExportArguments& arguments) {
   const Plan plan = arguments.study.plan_here("npdr export");
-  const std::string method = find_chains(plan).method;
   if (arguments.output.ends_with(".csv")) {
     throw InputError(arguments.output + ": would hold NetCDF; call it .nc");
   }
   require_new_file(arguments.output, arguments.force);
-  write_inference_data(plan, arguments.output, arguments.num_predictions);
+  const std::string method =
+      write_inference_data(plan, arguments.output, arguments.num_predictions);
   print_line("wrote {}", arguments.output);
   warn_of_failed_checks(plan, method);
 }

@@ -18,10 +18,9 @@
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/build_info.h"
-#include "pipeline/report/next_steps.h"
 #include "pipeline/report/policy_parts.h"
-#include "pipeline/report/pooling_text.h"
 #include "pipeline/report/registry.h"
+#include "pipeline/report/texts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -153,35 +152,28 @@ analysis::ReportSection make_section(Section section, const ReportData& data,
 }
 
 // What the check of diagnoses says, for studies without it.
-void warn_of_dependent_failures(const Plan& plan, std::set<std::string>& warnings) {
+void warn_of_dependent_failures(const Plan& plan, const std::vector<const Node*>& simulations,
+                                std::set<std::string>& warnings) {
   if (plan.study.diagnose.has(Check::failures)) return;
-  std::vector<std::pair<FailureResult, std::uint64_t>> found;  // and their seeds
-  for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::simulate || !is_complete(plan, node)) continue;
-    const FailureResult result = test_failures(plan, {&node});
-    if (result.test.num_failed > 0) found.emplace_back(result, node.uses.front().seed);
-  }
-  const double level =
-      plan.study.diagnose.alpha / static_cast<double>(std::max<std::size_t>(found.size(), 1));
-  for (const auto& [result, seed] : found) {
-    if (result.test.p_value >= level) continue;
-    warnings.insert(fmt::format("Warning: {} (seed {}, p = {:.2g}). {}.", words_of(result), seed,
-                                result.test.p_value, kFailureAdvice));
-    return;
-  }
+  const FailureResult found = test_failures(plan, simulations);
+  if (found.test.num_failed == 0 || found.test.p_value >= plan.study.diagnose.alpha) return;
+  warnings.insert(fmt::format("Warning: {} (p = {:.2g}). {}.", words_of(found), found.test.p_value,
+                              kFailureAdvice));
 }
 
 // Warnings of all simulations, each said once. A limit of failed rows that was
 // lowered after the posteriors were made stops the study all the same.
 std::string check_simulations(const Plan& plan) {
   std::set<std::string> warnings;
+  std::vector<const Node*> simulations;
   for (const Node& node : plan.nodes) {
     if (node.stage != Stage::simulate || !is_complete(plan, node)) continue;
+    simulations.push_back(&node);
     for (const std::string& warning : warnings_of(open_simulation(plan, node))) {
       warnings.insert("Warning: " + warning + ".");
     }
   }
-  warn_of_dependent_failures(plan, warnings);
+  warn_of_dependent_failures(plan, simulations, warnings);
   return fmt::format("{}", fmt::join(warnings, "\n\n"));
 }
 

@@ -1,4 +1,4 @@
-#include "pipeline/report/next_steps.h"
+#include "pipeline/report/texts.h"
 
 #include "tests/pipeline/findings/findings_fixture.h"
 

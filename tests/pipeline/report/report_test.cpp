@@ -2,7 +2,7 @@
 #include <set>
 
 #include "pipeline/report/figure_parts.h"
-#include "pipeline/report/pooling_text.h"
+#include "pipeline/report/texts.h"
 #include "pipeline/report/registry.h"
 #include "tests/pipeline/small_study.h"
 
