@@ -14,12 +14,8 @@ namespace {
 std::string advice_to_widen(const MethodResults& m) {
   const std::string model = "look for what simulator or noise lack" + noise_hint(m.study);
   if (m.method.refine.sampling.cross_validate) return model;
-  const bool has_folds = m.study.target.num_rollouts > 1;
-  const bool is_refined = m.is(inference::Algorithm::refine);
-  if (!has_folds) return is_refined ? "lower refine.likelihood_power, or " + model : model;
-  return (is_refined ? "let refine.cross_validate choose the power of the likelihood, or "
-                     : "refine it with refine.cross_validate, or ") +
-         model;
+  if (m.study.target.num_rollouts > 1) return "refine with refine.cross_validate, or " + model;
+  return m.is(inference::Algorithm::refine) ? "lower refine.likelihood_power, or " + model : model;
 }
 
 // Of the posterior's CRPS to that without inference: where the motion tells little, either may be

@@ -65,41 +65,14 @@ void add_new(std::vector<std::string>& all, const std::vector<std::string>& more
 // Power below which the recording hardly counts.
 constexpr double kSmallPower = 0.05;
 
-// The largest power that predicts left-out rollouts about as well as that of every run.
-double largest_as_good(const Runs& runs) {
-  double largest = 1.0;
-  for (const EvaluatedRun* run : runs) {
-    const bool has_chosen = run->notes.powers.power.size() > 0;
-    largest = std::min(
-        largest, has_chosen ? run->notes.powers.largest_as_good() : run->notes.certificate->power);
-  }
-  return largest;
-}
-
 // What a power says of the simulator, where the recording hardly counts.
-std::string words_of_power(double power, double as_good, bool is_smallest) {
+std::string words_of_power(double power) {
   if (power >= kSmallPower) return "";
-  if (as_good >= kSmallPower) {
-    return fmt::format(
-        "powers from {:.2g} to {:.2g} predict rollouts that are left out about as well, and the "
-        "smallest of them is taken: so few rollouts don't tell whether the simulator lacks "
-        "something; more of them do, and where it is known to be right, and first states are exact "
-        "or inferred, likelihood_power = 1 without cross_validate",
-        power, as_good);
-  }
   return fmt::format(
-      "it believes the recording to a power of {:.2g}{}: simulator or noise are far from it; look "
-      "for what they lack",
-      power,
-      is_smallest ? ", the smallest that was tried, which predicts rollouts that are left out "
-                    "about as well as any, and at which it may still be too narrow"
-                  : "");
-}
-
-// Whether larger powers than the first one predict hardly better.
-bool is_smallest_tried(const EvaluatedRun& run) {
-  const Vector& tried = run.notes.powers.power;
-  return tried.size() > 1 && run.notes.certificate->wanted_power <= tried(0);
+      "the recording hardly counts, at a power of {:.2g}, the smallest that predicts left-out "
+      "rollouts about as well as any: simulator or noise lack something, or rollouts are too few "
+      "to tell",
+      power);
 }
 
 std::string text_of_powers(double smallest, double largest) {
@@ -118,10 +91,7 @@ Finding pass_certificates(const MethodResults& m, const std::string& text, doubl
                   "the largest power that was reached predicts rollouts that are left out best, "
                   "and larger ones may do better: raise refine.max_simulations");
   }
-  const bool is_smallest = std::ranges::all_of(m.runs, [&](const EvaluatedRun* run) {
-    return run->notes.certificate->power > power || is_smallest_tried(*run);
-  });
-  return passes(text, words_of_power(power, largest_as_good(m.runs), is_smallest));
+  return passes(text, words_of_power(power));
 }
 
 // Of refined posteriors: the certificates of their draws.

@@ -111,8 +111,6 @@ class Refinement {
   }
   // First states were inferred to first order where that was too coarse.
   bool is_coarse() const { return is_coarse_; }
-  bool may_move() const { return moves_.count < kMostMoves; }
-  bool is_search_cut() const { return search_.scores().ends_at_least(config_.likelihood_power); }
 
  private:
   // All simulations so far.
@@ -277,26 +275,11 @@ void warn_of_failures(const Node& node, Index failed, Index num_draws, const std
                              failed, num_draws, why));
 }
 
-void warn(const Node& node, const inference::ImportanceCertificate& certificate,
-          const Refinement& refinement) {
-  if (refinement.is_coarse()) {
-    report_warning(node.label(),
-                   fmt::format("first states are inferred to first order, which is too coarse for "
-                               "this motion: {}cut shorter segments (simulator.segment_length)",
-                               refinement.may_move() ? "raise refine.max_simulations, or " : ""));
-  }
-  if (refinement.is_search_cut()) {
-    report_warning(node.label(),
-                   "the power of the likelihood that predicts best is the largest that was "
-                   "reached, and larger ones may be better; raise refine.max_simulations");
-  }
-  if (certificate.power < certificate.wanted_power) {
-    report_warning(node.label(),
-                   fmt::format("{} simulations reached the power {:.3g} of the likelihood, "
-                               "not {:.3g}; raise refine.max_simulations, or lower "
-                               "refine.likelihood_power",
-                               certificate.num_draws, certificate.power, certificate.wanted_power));
-  }
+void warn_of_first_order(const Node& node) {
+  report_warning(node.label(),
+                 "first states are inferred to first order, which is too coarse for this motion: "
+                 "raise refine.max_simulations, or cut shorter segments "
+                 "(simulator.segment_length)");
 }
 
 }  // namespace
@@ -307,7 +290,7 @@ void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   writer.add_cost(refinement.cost_of_helpers());
   const inference::ImportanceSample sample = refinement.sample();
   const MethodConfig& method = plan.study.method(node.uses.front().method);
-  warn(node, sample.certificate, refinement);
+  if (refinement.is_coarse()) warn_of_first_order(node);
   if (failed > 0 && plan.study.source().takes_seeds) {
     warn_of_failures(node, failed, sample.certificate.num_draws, refinement.words_of_failure());
   }
