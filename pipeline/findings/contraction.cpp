@@ -6,6 +6,7 @@
 
 #include "core/normal.h"
 #include "core/text.h"
+#include "inference/diagnostics/share_of_prior.h"
 #include "inference/diagnostics/uniformity.h"
 #include "pipeline/findings/findings.h"
 #include "pipeline/findings/probe.h"
@@ -44,6 +45,79 @@ bool looks_like_prior(const MethodResults& m, Index d) {
   return each(m.runs, [&](const EvaluatedRun* run) {
            return distance_from_prior(m.data, *run, d);
          }).mean() < least;
+}
+
+// In coordinates of which the prior is standard normal, of mean 0 and length 1.
+Vector standardized(const ReportData& data, const EvaluatedRun& run, Index d) {
+  const inference::Prior prior({data.marginal(d)});
+  const Vector u = prior.to_normal(run.evaluation.theta.col(d)).col(0);
+  const Vector centered = u.array() - u.mean();
+  return centered.stableNormalized();
+}
+
+// Correlations of these parameters, the mean over seeds (parameters, parameters); 0 of constants.
+RowMatrix mean_correlations(const MethodResults& m, const std::vector<Index>& d) {
+  const Index count = std::ssize(d);
+  RowMatrix sum = RowMatrix::Zero(count, count);
+  for (const EvaluatedRun* run : m.runs) {
+    RowMatrix u(run->evaluation.theta.rows(), count);
+    for (Index i = 0; i < count; ++i) {
+      u.col(i) = standardized(m.data, *run, d[static_cast<std::size_t>(i)]);
+    }
+    sum += u.transpose() * u;
+  }
+  return sum / static_cast<double>(m.runs.size());
+}
+
+// The two parameters whose samples, where the prior is standard normal, correlate most, from 0.95
+// on, and which are less than 0.95 contracted by themselves: the observation tells their
+// combination. Empty where there are none.
+std::string words_of_ridge(const MethodResults& m) {
+  constexpr double least = 0.95;
+  // Well below one, how broad the parameter is by itself matters to whoever uses it.
+  constexpr double most_contracted = 0.95;
+  std::vector<Index> broad = m.inferred();
+  std::erase_if(broad, [&](Index d) {
+    return m.data.period_of(d) > 0.0 ||
+           !(contraction(m.data, m.method.name, d).mean() < most_contracted);
+  });
+  const CorrelatedPair ridge = most_correlated(mean_correlations(m, broad));
+  if (!(std::abs(ridge.correlation) >= least)) return "";
+  const auto name_of = [&](Index i) {
+    return m.data.marginal(broad[static_cast<std::size_t>(i)]).name;
+  };
+  return fmt::format(
+      "of {} and {} it knows little but a combination (correlation {:.2f}): measure one of them, "
+      "or {} tells them apart",
+      name_of(ridge.first), name_of(ridge.second), ridge.correlation,
+      m.study.source().gives_motion ? "record motion that" : "add a feature that");
+}
+
+// That hardly any of the simulations of one round lie where a posterior of the default algorithm
+// is, whose next rounds simulate there alone. Empty where at least 300 do, or more than a twentieth
+// of the prior is, or 2^-D: posteriors of many parameters are a small part of it without being
+// narrow in any.
+std::string words_of_region(const MethodResults& m) {
+  constexpr double most_simulations = 300.0;
+  constexpr Index rounds = 4, fewest_simulations = 100;  // of one of them
+  const inference::AlgorithmConfig& algorithm = m.method.algorithm;
+  const bool can_go_on = m.study.source().simulates && algorithm.num_rounds == 1 &&
+                         algorithm.num_simulations >= rounds * fewest_simulations &&
+                         m.is(inference::Algorithm::npe_nle);
+  if (!can_go_on) return "";
+  const inference::Prior prior(m.study.prior);
+  const double share = each(m.runs, [&](const EvaluatedRun* run) {
+                         return inference::share_of_prior(prior.to_normal(run->evaluation.theta),
+                                                          {1, "region", 0, 0, 0});
+                       }).mean();
+  const double expected = share * static_cast<double>(algorithm.num_simulations);
+  const double largest_share = std::min(0.05, std::exp2(-static_cast<double>(prior.dimension())));
+  if (share > largest_share || expected > most_simulations) return "";
+  return fmt::format(
+      "{} of {} simulations lie where it is: more of them there may make it more exact, by "
+      "num_rounds = {} and num_simulations = {}, for this observation alone",
+      expected < 1.0 ? "hardly any" : fmt::format("only about {:.0f}", expected),
+      algorithm.num_simulations, rounds, (algorithm.num_simulations + rounds - 1) / rounds);
 }
 
 }  // namespace

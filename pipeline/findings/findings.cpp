@@ -28,9 +28,8 @@ std::string why_not_first_states(const MethodResults& m) {
       m.study.simulator.segment_length > 0 ||
       !std::ranges::all_of(m.data.target.rollouts, analysis::begins_at_rest);
   const bool is_refined = m.is(inference::Algorithm::refine) && !m.method.refine.infer_first_states;
-  if (!m.study.target.recording || !m.study.source().gives_motion ||
-      !(learns(m.method) || is_refined) || noise.is_silent() || noise.is_heavy_tailed() ||
-      !begins_in_motion) {
+  if (!m.study.target.recording || !(learns(m.method) || is_refined) || noise.is_silent() ||
+      noise.is_heavy_tailed() || !begins_in_motion) {
     return "";
   }
   return "simulations begin in recorded ones as if these were exact, and parameters may make up "

@@ -8,7 +8,7 @@
 #include "core/quantile.h"
 #include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
-#include "pipeline/features/noise.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/findings/probe.h"
 
 namespace npdr::pipeline {
@@ -172,7 +172,7 @@ Finding judge<Check::fit>(const MethodResults& m) {
   }
   const std::optional<Yardstick> reached = yardstick(m.data);
   const double of_prior = median_of(m.data.baseline.prior->metrics.at(name_of(Metric::rmse)));
-  std::size_t failed = 0, astray = 0;
+  Index failed = 0, astray = 0;
   double worst = 0.0, strays = 0.0;
   for (const EvaluatedRun* run : m.runs) {
     const Vector& its = run->evaluation.metrics.at(name_of(Metric::rmse));

@@ -34,7 +34,7 @@ struct MethodResults {
 };
 
 /// " in 2 of 5 seeds"; nothing where there is one.
-std::string seeds_text(std::size_t failed, std::size_t all);
+std::string seeds_text(Index failed, std::size_t all);
 
 /// What a check says of a method; its `id` is the check's name already. Each check has a
 /// specialization in a file of this folder, without which nothing links.
@@ -85,17 +85,6 @@ struct CorrelatedPair {
 
 /// Of a matrix of correlations (D, D), or of what grows with their size.
 CorrelatedPair most_correlated(const RowMatrix& correlations);
-
-/// The two parameters whose samples, where the prior is standard normal, correlate most, from 0.95
-/// on, and which are less than 0.95 contracted (findings.h) by themselves: the observation tells
-/// their combination. Empty where there are none.
-std::string words_of_ridge(const MethodResults& m);
-
-/// That hardly any of the simulations of one round lie where a posterior of the default algorithm
-/// is, whose next rounds simulate there alone. Empty where at least 300 do, or more than a
-/// twentieth of the prior is, or 2^-D: posteriors of many parameters are a small part of it without
-/// being narrow in any.
-std::string words_of_region(const MethodResults& m);
 
 /// That seeds are far apart, about which parameters: most of them are wrong, each as sure as if it
 /// were right. Empty where they aren't.

@@ -52,7 +52,7 @@ std::string advice_on_residuals(const MethodResults& m) {
   const ObservationNoise& noise = m.study.observation_noise;
   std::vector<std::string> ways;
   const bool moves = m.study.source().gives_motion;
-  if (moves && m.study.target.recording && !m.method.refine.infer_first_states) {
+  if (m.study.target.recording && !m.method.refine.infer_first_states) {
     ways.emplace_back(
         fmt::format("refine.infer_first_states = true{} where the first states are as "
                     "noisy as the others (a device that began at rest has none of it)",
@@ -85,7 +85,7 @@ Finding judge<Check::residuals>(const MethodResults& m) {
   const EvaluatedRun& worst = **std::ranges::max_element(m.runs, {}, [](const EvaluatedRun* run) {
     return std::isnan(excess_of(*run)) ? kInfinity : excess_of(*run);
   });
-  const auto failed = static_cast<std::size_t>(std::ranges::count_if(m.runs, is_excessive));
+  const Index failed = std::ranges::count_if(m.runs, is_excessive);
   const std::string size = fmt::format("variance {:.2g} times the noise's", excess_of(worst));
   if (failed == 0 && is_by_chance(worst)) return passes(size);
   const std::string what =

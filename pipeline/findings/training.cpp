@@ -30,7 +30,7 @@ std::string words_of(const inference::TrainingCheck& check, const inference::Tra
 
 template <>
 Finding judge<Check::training>(const MethodResults& m) {
-  std::size_t failed = 0, far = 0;
+  Index failed = 0, far = 0;
   const std::size_t all = m.diagnoses.size();
   double gap = 0.0;
   std::string what;

@@ -1,8 +1,8 @@
 #include "pipeline/predictions/prediction.h"
 
 #include "inference/abc/feature_distance.h"
+#include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/predictions/feature_scale.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -148,19 +148,14 @@ NoiseSource noise_source(const Plan& plan, const Node& posterior) {
           plan.study.method(posterior.uses.front().method).refine.infer_first_states};
 }
 
-NoiseOfSamples draw_noise(const Observation& observation, const sim::Trajectories& all_states,
+NoiseOfSamples draw_noise(const Observation& observation, const sim::Trajectories& simulated,
                           const NoiseSource& source, const StreamId& id) {
-  const Study& study = observation.study();
-  if (study.observation_noise.is_silent()) return {};
-  return draw_noise_of_stored(
-      observation,
-      stored(all_states, observation.target().num_rollouts(), study.simulator.store_every), source,
-      id);
-}
-
-NoiseOfSamples draw_noise_of_stored(const Observation& observation, const sim::Trajectories& rows,
-                                    const NoiseSource& source, const StreamId& id) {
   if (observation.study().observation_noise.is_silent()) return {};
+  const Target& target = observation.target();
+  const Index store_every = observation.study().simulator.store_every;
+  const bool is_stored = simulated.num_steps == target.num_steps() / store_every;
+  const sim::Trajectories rows =
+      stored(simulated, target.num_rollouts(), is_stored ? 1 : store_every);
   const sim::NoiseModel& given = observation.noise();
   const sim::NoiseModel model = source.infers_first_states ? given.with_unknown_scales() : given;
   NoiseOfSamples noise(static_cast<std::size_t>(rows.num_rows));

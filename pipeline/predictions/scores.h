@@ -29,16 +29,12 @@ struct NoiseSource {
 /// Of the posterior of a node. Throws InputError.
 NoiseSource noise_source(const Plan& plan, const Node& posterior);
 
-/// `observation`: the rollouts that the posterior has seen; `all_states`: the samples' rollouts,
-/// every state, which begin with those. At a power below 1 a value is drawn given the rollouts of
-/// another sample, in proportion to the rest of the likelihood: how far off samples are because
-/// they are many isn't noise. Empty without noise.
-NoiseOfSamples draw_noise(const Observation& observation, const sim::Trajectories& all_states,
+/// `observation`: the rollouts that the posterior has seen; `simulated`: the samples' rollouts,
+/// which begin with those, every state of them or the stored ones. At a power below 1 a value is
+/// drawn given the rollouts of another sample, in proportion to the rest of the likelihood: how far
+/// off samples are because they are many isn't noise. Empty without noise.
+NoiseOfSamples draw_noise(const Observation& observation, const sim::Trajectories& simulated,
                           const NoiseSource& source, const StreamId& id);
-
-/// The same of `rows`: the stored states of those rollouts.
-NoiseOfSamples draw_noise_of_stored(const Observation& observation, const sim::Trajectories& rows,
-                                    const NoiseSource& source, const StreamId& id);
 
 /// The same of `num_samples` draws of the noise's own prior, which no recording informs.
 NoiseOfSamples draw_prior_noise(const Observation& observation, Index num_samples,

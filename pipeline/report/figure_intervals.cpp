@@ -85,9 +85,8 @@ std::optional<ReportedFigure> interval_figure(const ReportData& data) {
   return {{figure_of(plot),
            fmt::format("What the posteriors say of each parameter, all seeds: median, 50 % "
                        "interval (thick) and 90 % interval, within what the prior allows "
-                       "(grey).{}{}{}",
-                       note_on_periods(data), left_out_methods(data.methods),
-                       left_out_parameters(data.plan.study)),
+                       "(grey).{}{}",
+                       note_on_periods(data), left_out_parameters(data.plan.study)),
            figure_of(narrow)}};
 }
 

@@ -59,9 +59,8 @@ std::optional<ReportedFigure> learning_figure(const ReportData& data) {
   }
   return {{figure_of(plot),
            fmt::format("Return of the current policy under what its method believes, mean and "
-                       "standard deviation over {}.{}{}",
-                       data.experiments(), new_beliefs(data),
-                       left_out_methods(data.policy_methods()))}};
+                       "standard deviation over {}.{}",
+                       data.experiments(), new_beliefs(data))}};
 }
 
 }  // namespace npdr::pipeline

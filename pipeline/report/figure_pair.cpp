@@ -60,9 +60,8 @@ std::optional<ReportedFigure> pair_figure(const ReportData& data) {
     ++d;
   }
   plot.selection = shown_parameters(data.plan.study);
-  return {{figure_of(plot),
-           fmt::format("Posterior samples of seed {}, where they are.{}{}", data.seeds.front(),
-                       left_out_methods(data.methods), left_out_parameters(data.plan.study))}};
+  return {{figure_of(plot), fmt::format("Posterior samples of seed {}, where they are.{}",
+                                        data.seeds.front(), left_out_parameters(data.plan.study))}};
 }
 
 }  // namespace npdr::pipeline

@@ -14,7 +14,7 @@ namespace npdr::pipeline {
 std::vector<std::string> drawn_methods(std::vector<std::string> methods);
 /// Keeps of these the ones to which a check means something.
 std::vector<std::string> drawn_methods_with(const ReportData& data, Check check);
-/// A sentence to end a caption with: " The first 6 of 7 methods."; "": all are drawn.
+/// A sentence that ends captions: " The first 6 of 7 methods."; "": all are drawn.
 std::string left_out_methods(const std::vector<std::string>& methods);
 
 /// Positions in the prior of the parameters that figures show: those that the study picks, or the

@@ -69,8 +69,8 @@ std::optional<ReportedFigure> path_figure(const ReportData& data) {
   }
   return {{figure_of(plot),
            fmt::format("Seen from above: the target's paths, and paths and shapes at the first {} "
-                       "posterior samples of seed {}. Black: what no parameter moves.{}",
-                       kDrawnSamples, data.seeds.front(), left_out_methods(data.methods))}};
+                       "posterior samples of seed {}. Black: what no parameter moves.",
+                       kDrawnSamples, data.seeds.front())}};
 }
 
 }  // namespace npdr::pipeline

@@ -13,13 +13,11 @@ namespace {
 
 bool has_powers(const EvaluatedRun& run) { return run.notes.powers.power.size() > 0; }
 
-// The methods that chose a power, as far as their first seed tells, which is drawn.
-std::vector<std::string> methods_of(const ReportData& data) {
-  std::vector<std::string> methods;
-  std::ranges::copy_if(data.methods, std::back_inserter(methods), [&](const std::string& method) {
-    const auto runs = data.runs_of(method);
-    return !runs.empty() && has_powers(*runs.front());
-  });
+// The drawn methods that chose a power, as far as their first seed tells.
+std::vector<std::string> methods_with_powers(const ReportData& data) {
+  std::vector<std::string> methods = drawn_methods(data.methods);
+  std::erase_if(methods,
+                [&](const auto& method) { return !has_powers(*data.runs_of(method).front()); });
   return methods;
 }
 
@@ -35,11 +33,11 @@ analysis::Curve curve_of(const std::string& method, const PowerScores& scores) {
 
 /// Scores of the powers of the likelihood that refinements chose from, of the first seed.
 std::optional<ReportedFigure> power_figure(const ReportData& data) {
-  const std::vector<std::string> methods = methods_of(data), drawn = drawn_methods(methods);
+  const std::vector<std::string> methods = methods_with_powers(data);
   if (methods.empty()) return std::nullopt;
   analysis::CurvePlot plot{"powers", "log10 of the power", "CRPS with noise", {}};
   std::vector<std::string> taken;
-  for (const std::string& method : drawn) {
+  for (const std::string& method : methods) {
     const PosteriorNotes& notes = data.runs_of(method).front()->notes;
     plot.curves.push_back(curve_of(method, notes.powers));
     const double chosen = notes.certificate->wanted_power;
@@ -51,8 +49,8 @@ std::optional<ReportedFigure> power_figure(const ReportData& data) {
        fmt::format(
            "How well the posterior without a rollout predicts that rollout, by the power of the "
            "likelihood: mean over the rollouts that inference sees, and its standard error, "
-           "seed {}. Chosen was the smallest power that is about as good as any: {}.{}",
-           data.seeds.front(), join(taken), left_out_methods(methods))}};
+           "seed {}. Chosen was the smallest power that is about as good as any: {}.",
+           data.seeds.front(), join(taken))}};
 }
 
 }  // namespace npdr::pipeline

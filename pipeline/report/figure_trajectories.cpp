@@ -10,16 +10,14 @@ namespace {
 std::optional<ReportedFigure> figure_of_bands(const ReportData& data, const char* name,
                                               const char* rollouts, const Target* target,
                                               std::optional<analysis::Bands> Evaluation::*bands) {
-  if (!has_posteriors(data) || !data.plan.study.source().gives_motion || target == nullptr) {
-    return std::nullopt;
-  }
+  if (!has_rollout_scores(data) || target == nullptr) return std::nullopt;
   analysis::TrajectoryPlot plot{.name = name};
   for (const std::string& method : drawn_methods(data.methods)) {
     plot.predictions.push_back({method, *(data.runs_of(method).front()->evaluation.*bands)});
   }
   return {{figure_of(plot, *target),
-           fmt::format("Recorded states{}, predictive median and 90 % band of seed {}.{}", rollouts,
-                       data.seeds.front(), left_out_methods(data.methods))}};
+           fmt::format("Recorded states{}, predictive median and 90 % band of seed {}.", rollouts,
+                       data.seeds.front())}};
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/build_info.h"
+#include "pipeline/report/figure_parts.h"
 #include "pipeline/report/policy_parts.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/texts.h"
@@ -96,8 +97,7 @@ analysis::ReportSection heading(Section section, const ReportData& data) {
               .remarks = pooling_text(study),
               .figures_first = true};
     case Section::fit:
-      return {.title = study.source().gives_motion ? "How well do they explain the recording?"
-                                                   : "How well do they explain the observation?",
+      return {.title = "How well do they explain the observation?",
               .remarks = simulates ? study.report.caption : ""};
     case Section::diagnostics:
       return {.title = "Can the posteriors be trusted?"};
@@ -122,8 +122,10 @@ void add_symbols(analysis::Table& table, const std::map<std::string, std::string
   }
 }
 
-analysis::ReportFigure draw(const ReportedFigure& made, const fs::path& folder) {
-  analysis::ReportFigure figure{write_figure(made.figure, folder).svg, made.caption};
+analysis::ReportFigure draw(const ReportedFigure& made, const std::vector<std::string>& methods,
+                            const fs::path& folder) {
+  analysis::ReportFigure figure{write_figure(made.figure, folder).svg,
+                                made.caption + left_out_methods(methods)};
   if (made.narrow) figure.narrow = write_figure(*made.narrow, folder).svg;
   return figure;
 }
@@ -131,6 +133,7 @@ analysis::ReportFigure draw(const ReportedFigure& made, const fs::path& folder) 
 analysis::ReportSection make_section(Section section, const ReportData& data,
                                      const fs::path& folder) {
   analysis::ReportSection made = heading(section, data);
+  const auto methods = section == Section::policies ? data.policy_methods() : data.methods;
   for (const TableEntry& entry : kTables) {
     if (entry.section != section) continue;
     std::optional<analysis::Table> table = entry.make(data);
@@ -145,8 +148,8 @@ analysis::ReportSection make_section(Section section, const ReportData& data,
   }
   for (const FigureEntry& entry : kFigures) {
     if (entry.section != section) continue;
-    if (const auto figure = entry.make(data))
-      made.figures.push_back(draw(*figure, folder / "figures"));
+    const auto figure = entry.make(data);
+    if (figure) made.figures.push_back(draw(*figure, methods, folder / "figures"));
   }
   return made;
 }

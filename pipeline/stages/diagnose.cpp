@@ -17,7 +17,6 @@
 #include "pipeline/features/series_summary.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/features/usual_features.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/stages/checkpoints.h"
@@ -182,8 +181,8 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
   // Its prior would let anything pass.
   NoiseOfSamples unknown;
   if (noise.has_unknown()) {
-    unknown = draw_noise_of_stored(c.observation, rows, noise_source(c.plan, c.last_posterior()),
-                                   c.stream("diagnose_predictive_noise"));
+    unknown = draw_noise(c.observation, rows, noise_source(c.plan, c.last_posterior()),
+                         c.stream("diagnose_predictive_noise"));
   }
   std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
   Predictions result{{}, {theta.rows(), c.embedding->num_features()}, 0};

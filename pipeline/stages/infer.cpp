@@ -12,7 +12,6 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/features/usual_features.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/stages/checkpoints.h"
 #include "pipeline/stages/infer_methods.h"

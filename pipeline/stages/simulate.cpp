@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <numeric>
 
 #include "core/error.h"
 #include "core/stop_request.h"
@@ -207,17 +206,12 @@ void warn_of_failures(const Simulation& simulation) {
   }
 }
 
-std::vector<Index> all_shards(std::size_t count) {
-  std::vector<Index> numbers(count);
-  std::iota(numbers.begin(), numbers.end(), Index{0});
-  return numbers;
-}
-
 }  // namespace
 
 void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers) {
   const std::vector<Shard> all = shards(plan, node);
-  const std::vector<Index> numbers = shard_numbers.empty() ? all_shards(all.size()) : shard_numbers;
+  std::vector<Index> numbers = shard_numbers;
+  for (Index i = 0; shard_numbers.empty() && i < std::ssize(all); ++i) numbers.push_back(i);
   Simulation simulation = make_simulation(plan, node);
   std::vector<const Shard*> missing;
   Index done = 0;

@@ -1,4 +1,4 @@
-#include "pipeline/features/usual_features.h"
+#include "pipeline/features/simulation_features.h"
 
 #include <gtest/gtest.h>
 
