@@ -51,11 +51,6 @@ class StoredFeatures : public inference::FeatureSource {
 
 }  // namespace
 
-SimulationFeatures::SimulationFeatures(const Plan& plan, const Node& infer,
-                                       const Observation& observation,
-                                       const inference::Embedding& embedding)
-    : SimulationFeatures(plan, plan.inputs(infer, "simulation"), observation, embedding) {}
-
 SimulationFeatures::SimulationFeatures(const Plan& plan,
                                        const std::vector<const Node*>& simulations,
                                        const Observation& observation,

@@ -23,9 +23,6 @@ namespace npdr::pipeline {
 
 class SimulationFeatures : public inference::FeatureSource {
  public:
-  /// Reads the simulations among `infer`'s inputs.
-  SimulationFeatures(const Plan& plan, const Node& infer, const Observation& observation,
-                     const inference::Embedding& embedding);
   /// Reads `simulations`, in blocks. Throws InputError where all of their rows failed.
   SimulationFeatures(const Plan& plan, const std::vector<const Node*>& simulations,
                      const Observation& observation, const inference::Embedding& embedding);

@@ -86,12 +86,4 @@ struct CorrelatedPair {
 /// Of a matrix of correlations (D, D), or of what grows with their size.
 CorrelatedPair most_correlated(const RowMatrix& correlations);
 
-/// That seeds are far apart, about which parameters: most of them are wrong, each as sure as if it
-/// were right. Empty where they aren't.
-std::string contradiction_of_seeds(const MethodResults& m);
-
-/// Which other methods of the study are far from this one, each with the parameter about which it
-/// is farthest. Empty where none is.
-std::string contradiction_of_methods(const MethodResults& m);
-
 }  // namespace npdr::pipeline

@@ -73,7 +73,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const Observation observation(plan.study, read_seen_target(plan, node));
   const auto embedding = inference::make_embedding(method.embedding, observation.target(),
                                                    plan.study.simulator.store_every);
-  const SimulationFeatures features(plan, node, observation, *embedding);
+  const SimulationFeatures features(plan, plan.inputs(node, "simulation"), observation, *embedding);
   const inference::Prior prior(plan.study.prior);
   const inference::SeriesSelection& series = embedding->selection();
   auto config =
