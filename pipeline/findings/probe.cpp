@@ -82,10 +82,6 @@ Finding judge_p_value(const MethodResults& m, const PValueProbe& probe) {
   return too_little.empty() ? passes(p_text) : cannot_tell(too_little);
 }
 
-std::string too_few(const std::string& what, Index count, const std::string& advice) {
-  return fmt::format("{} {} are too few to find anything; {}", count, what, advice);
-}
-
 std::string advice_to_learn(const MethodConfig& method) {
   using enum inference::EmbeddingKind;
   const inference::EmbeddingKind kind = method.embedding.kind;

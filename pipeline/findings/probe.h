@@ -63,9 +63,6 @@ struct PValueProbe {
 };
 Finding judge_p_value(const MethodResults& m, const PValueProbe& probe);
 
-/// "20 simulations to compare with are too few to find anything; raise ..."
-std::string too_few(const std::string& what, Index count, const std::string& advice);
-
 /// What would let a method learn more of its observation.
 std::string advice_to_learn(const MethodConfig& method);
 

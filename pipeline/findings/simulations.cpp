@@ -31,6 +31,10 @@ std::string words_of_prediction(const Study& study, const Diagnosis& found, std:
       predictive.check.overall.p_value, noise_hint(study));
 }
 
+std::string too_few(const std::string& what, Index count, const std::string& advice) {
+  return fmt::format("{} {} are too few to find anything; {}", count, what, advice);
+}
+
 // More samples don't help a posterior that lies where its simulator fails.
 std::string too_few_predictions(const Diagnosis& found, double level) {
   const PredictiveResult& predictive = *found.predictive;

@@ -9,6 +9,18 @@
 namespace npdr::pipeline {
 namespace {
 
+// The drawn methods to which a check means something.
+std::vector<std::string> drawn_methods_with(const ReportData& data, Check check) {
+  std::vector<std::string> methods = drawn_methods(data.methods);
+  std::erase_if(methods, [&](const auto& method) { return !data.checks_of(method).has(check); });
+  return methods;
+}
+
+// The first seed's checks of a method.
+const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method) {
+  return data.diagnoses_of(method).front()->result;
+}
+
 // Adds a panel with the curves that methods have.
 template <class CurveOf>
 void add_panel(const ReportData& data, const char* title, const CurveOf& curve_of,

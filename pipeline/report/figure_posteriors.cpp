@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 #include "analysis/figure.h"
@@ -16,6 +17,49 @@
 
 namespace npdr::pipeline {
 namespace {
+
+// Positions in the prior of the parameters that figures show: those that the study picks, or the
+// first.
+std::vector<Index> shown_parameters(const Study& study) {
+  std::vector<Index> shown;
+  if (study.report.parameters.empty()) {
+    shown.resize(std::min<std::size_t>(study.prior.size(), analysis::kMaxPairParameters));
+    std::iota(shown.begin(), shown.end(), Index{0});
+  }
+  for (const std::string& name : study.report.parameters) {
+    const auto found = std::ranges::find(study.prior, name, &inference::Marginal::name);
+    shown.push_back(found - study.prior.begin());
+  }
+  return shown;
+}
+
+// As left_out_methods(): " 2 of 16 parameters."
+std::string left_out_parameters(const Study& study) {
+  const std::size_t shown = shown_parameters(study).size();
+  if (shown == study.prior.size()) return "";
+  return fmt::format(" {} of {} parameters.", shown, study.prior.size());
+}
+
+// Nominal, truth and the first references.
+std::vector<analysis::MarkedPoint> marked_points(const ReportData& data) {
+  using analysis::LegendMark, analysis::LineStyle;
+  std::vector<analysis::MarkedPoint> points;
+  const auto mark = [&](const std::string& name, LegendMark shape, const char* color,
+                        LineStyle line) {
+    const auto found = std::ranges::find(data.baseline.points, name, &BaselinePoint::name);
+    if (found != data.baseline.points.end()) {
+      points.push_back({name, found->theta, shape, color, line});
+    }
+  };
+  mark("nominal", LegendMark::triangle, analysis::kNominalColor, LineStyle::dashed);
+  mark("truth", LegendMark::diamond, analysis::kTruthColor, LineStyle::solid);
+  const auto& references = data.plan.study.references;
+  for (std::size_t i = 0; i < std::min(references.size(), analysis::kMaxReferences); ++i) {
+    mark(references[i].name, LegendMark::square, analysis::kReferenceColors[i],
+         LineStyle::dash_dotted);
+  }
+  return points;
+}
 
 // The prior's distribution function at theta (n, D), of the shown parameters.
 RowMatrix place_in_prior(const inference::Prior& prior, const RowMatrix& theta,

@@ -8,6 +8,12 @@
 namespace npdr::pipeline {
 namespace {
 
+// The cell of a parameter that the method takes as known, as its footnote says.
+Cell known_cell(Cell cell = {}) {
+  cell.notes.emplace_back("not inferred by this method, which takes it as known");
+  return cell;
+}
+
 std::string prior_text(const inference::Marginal& m) {
   switch (m.kind) {
     case inference::Marginal::Kind::uniform:

@@ -10,6 +10,46 @@
 namespace npdr::pipeline {
 namespace {
 
+bool is_tested_in_target(const ReportData& data) {
+  return data.plan.study.target.truth.has_value();
+}
+
+bool is_tested_on_grid(const ReportData& data) { return data.plan.study.policy.grid.is_used(); }
+
+bool is_tested(const ReportData& data) {
+  return is_tested_in_target(data) || is_tested_on_grid(data);
+}
+
+// In the target domain or on the grid.
+using TestPlace = std::optional<PolicyOutcomes> PolicyTest::*;
+
+// One outcome of all rollouts of a test, to pool.
+auto outcome_samples(TestPlace place, Outcome outcome) {
+  return [=](const PolicyTest* test) -> Vector {
+    return ((*(test->*place)).*outcome).reshaped<Eigen::RowMajor>();
+  };
+}
+
+// A row for each method that has searched for a policy.
+TableOf<std::string> table_of_policy_methods(const ReportData& data, std::string caption) {
+  return {.caption = std::move(caption),
+          .row_header = "Method",
+          .rows = data.policy_methods(),
+          .label = std::identity()};
+}
+
+// Nodes of some stages that an experiment uses, for other things than calibration.
+std::vector<const Node*> nodes_of(const ReportData& data, const std::string& method,
+                                  std::uint64_t seed, const std::vector<Stage>& stages) {
+  const auto is_its = [&](const Use& use) { return use.method == method && use.seed == seed; };
+  std::vector<const Node*> nodes;
+  for (const Node& node : data.plan.nodes) {
+    const bool is_wanted = std::ranges::count(stages, node.stage) > 0 && !is_calibration(node);
+    if (is_wanted && std::ranges::any_of(node.uses, is_its)) nodes.push_back(&node);
+  }
+  return nodes;
+}
+
 // Counts of one experiment: of the target domain, of inference, of the search.
 Index num_target_rollouts(const ReportData& data, const MethodConfig& method) {
   if (!infers(method)) return 0;

@@ -10,6 +10,24 @@
 namespace npdr::pipeline {
 namespace {
 
+bool evaluates_rounds(const ReportData& data) {
+  const EvaluateConfig& evaluate = data.plan.study.evaluate;
+  return has_posteriors(data) && evaluate.rounds == EvaluatedRounds::all &&
+         !evaluate.metrics.empty();
+}
+
+// Adds a column for each round of the method that has the most, "round 1", with `cell`(round,
+// item).
+template <class Item, class CellOf>
+void add_rounds(const ReportData& data, TableOf<Item>& table, const CellOf& cell) {
+  Index most = 0;
+  for (const EvaluatedRun& run : data.runs) most = std::max(most, run.use.round);
+  for (Index round = 1; round <= most; ++round) {
+    table.add("round " + std::to_string(round),
+              [round, cell](const Item& item) { return cell(round, item); });
+  }
+}
+
 struct DensityRow {
   std::string method;
   KnownPoint point;

@@ -10,6 +10,20 @@
 namespace npdr::pipeline {
 namespace {
 
+// A row for each method and seed.
+TableOf<const EvaluatedRun*> table_of_runs(const ReportData& data, std::string caption) {
+  std::vector<const EvaluatedRun*> runs;
+  for (const std::string& method : data.methods) {
+    for (const EvaluatedRun* run : data.runs_of(method)) runs.push_back(run);
+  }
+  return {.caption = std::move(caption),
+          .row_header = "Method, seed",
+          .rows = std::move(runs),
+          .label = [](const EvaluatedRun* run) {
+            return experiment_label(run->use.method, run->use.seed);
+          }};
+}
+
 // The worst of all parameters; NaN, in which chains were too short to say, is worst.
 Cell worst(const Vector& values, double sign) {
   if (values.size() == 0) return {};
