@@ -1,18 +1,15 @@
 #include "pipeline/report/inference_data.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <functional>
 #include <numeric>
 
 #include "core/atomic_file.h"
 #include "core/constants.h"
-#include "core/error.h"
-#include "core/text.h"
 #include "inference/particle_posterior.h"
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/plan/completeness.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/utc_time.h"
@@ -33,36 +30,12 @@ struct Chains {
   Index num_draws() const { return evaluations.front().theta.rows(); }
 };
 
-bool is_last(const Plan& plan, const Use& use) {
-  const MethodConfig& method = plan.study.method(use.method);
-  const Index iteration = use.iteration > 0 ? plan.study.num_iterations_of(method) : 0;
-  return use.fold == 0 && use.round == method.algorithm.num_rounds && use.iteration == iteration;
-}
-
 Chains find_chains(const Plan& plan) {
   Chains chains;
-  std::vector<std::string> methods;
-  for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::evaluate) continue;
-    for (const Use& use : node.uses) {
-      if (!is_last(plan, use)) continue;
-      if (std::ranges::find(methods, use.method) == methods.end()) methods.push_back(use.method);
-      chains.nodes.push_back(&node);
-      chains.seeds.push_back(static_cast<Index>(use.seed));
-    }
-  }
-  if (methods.size() != 1) {
-    throw InputError(
-        fmt::format("study '{}' evaluates posteriors of {}, must be one; name it with "
-                    "--only{}",
-                    plan.study.name, counted(std::ssize(methods), "method"),
-                    methods.empty() ? "" : ": " + join(methods)));
-  }
-  chains.method = methods.front();
-  for (const Node* node : chains.nodes) {
-    if (!std::filesystem::exists(node->path)) {
-      throw InputError(node->label() + ": isn't made yet; first: " + plan.command);
-    }
+  for (const auto& [node, use] : last_nodes_of_method(plan, Stage::evaluate)) {
+    chains.method = use.method;
+    chains.seeds.push_back(static_cast<Index>(use.seed));
+    chains.nodes.push_back(node);
     chains.evaluations.push_back(kEvaluationSchema.read(*node));
   }
   return chains;
@@ -259,8 +232,8 @@ void write_rollouts(const Plan& plan, const Chains& chains, h5::File& file, Inde
 
 }  // namespace
 
-std::string write_inference_data(const Plan& plan, const std::filesystem::path& path,
-                                 Index num_predictions) {
+void write_inference_data(const Plan& plan, const std::filesystem::path& path,
+                          Index num_predictions) {
   const Chains chains = find_chains(plan);
   AtomicFile atomic(path);
   h5::File file = h5::File::create(atomic.temporary(), path);
@@ -273,7 +246,6 @@ std::string write_inference_data(const Plan& plan, const std::filesystem::path& 
   write_rollouts(plan, chains, file, num_predictions);
   file.close();
   atomic.commit();
-  return chains.method;
 }
 
 }  // namespace npdr::pipeline

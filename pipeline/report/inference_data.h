@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
 #include "pipeline/plan/plan.h"
 
@@ -10,9 +9,8 @@ namespace npdr::pipeline {
 
 /// Writes the last posteriors of the only method of the plan, a chain a seed, to `path`
 /// (docs/python.md lists the groups). `num_predictions`: draws of each chain whose rollouts are
-/// simulated; 0: none. Returns the method's name. Throws InputError for several methods and for
-/// what isn't made yet.
-std::string write_inference_data(const Plan& plan, const std::filesystem::path& path,
-                                 Index num_predictions);
+/// simulated; 0: none. Throws InputError for several methods and for what isn't made yet.
+void write_inference_data(const Plan& plan, const std::filesystem::path& path,
+                          Index num_predictions);
 
 }  // namespace npdr::pipeline

@@ -142,7 +142,7 @@ analysis::ReportSection make_section(Section section, const ReportData& data,
       continue;
     }
     table->name = entry.name;
-    table->command = data.plan.command;
+    table->command = data.plan.command();
     add_symbols(*table, data.plan.study.report.symbols);
     made.tables.push_back(*std::move(table));
   }
@@ -219,7 +219,7 @@ void run_report(const Plan& plan, const Node& node) {
     const bool is_empty = made.tables.empty() && made.figures.empty() && made.code.empty();
     if (!is_empty) report.sections.push_back(std::move(made));
   }
-  report.commands = {plan.command};
+  report.commands = {plan.command()};
   report.provenance = provenance(data, node, making);
   const std::vector<fs::path> files = write_tables(report, folder / "tables");
   analysis::write_report(report, report_path(plan));

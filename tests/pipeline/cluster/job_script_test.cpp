@@ -24,12 +24,13 @@ std::string one_method() {
 
 class JobScripts : public testing::Test {
  protected:
+  JobScripts() { plan_.words = {"my study.toml"}; }
+
   std::string script(Stage stage, const Job& job) const {
     Job complete = job;
     complete.nodes = {
         static_cast<std::size_t>(&plan_.node(stage, {"NPE", 1, 1}) - plan_.nodes.data())};
-    return job_script({plan_, {"my study.toml"}, "/home/me/a b", "/opt/npdr", "/home/me/100%"},
-                      complete);
+    return job_script({plan_, "/home/me/a b", "/opt/npdr", "/home/me/100%"}, complete);
   }
 
   TempFolder folder_;
@@ -55,11 +56,9 @@ TEST_F(JobScripts, OfAnArrayPackShardsAndEndAtTheLast) {
 TEST_F(JobScripts, QuotePathsAsSbatchReadsThem) {
   Job job;
   job.nodes = {0};
-  const std::string text =
-      job_script({plan_, {"s.toml"}, "/home/me/a#b\"c", "/opt/npdr", "/logs"}, job);
+  const std::string text = job_script({plan_, "/home/me/a#b\"c", "/opt/npdr", "/logs"}, job);
   EXPECT_TRUE(has(text, "#SBATCH --chdir=\"/home/me/a#b\\\"c\"\n"));
-  EXPECT_THROW(job_script({plan_, {"s.toml"}, "/home/me/a\\b", "/opt/npdr", "/logs"}, job),
-               InputError);
+  EXPECT_THROW(job_script({plan_, "/home/me/a\\b", "/opt/npdr", "/logs"}, job), InputError);
 }
 
 TEST_F(JobScripts, OfOtherStagesRunTheirArtefacts) {

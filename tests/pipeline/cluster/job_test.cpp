@@ -7,7 +7,6 @@
 #include <fstream>
 
 #include "core/text.h"
-#include "pipeline/cluster/doomed_jobs.h"
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/config/study_reader.h"
@@ -300,7 +299,7 @@ TEST_F(HelperJobs, RunTheirPartOfTheRefinement) {
   const auto jobs = make_jobs(input(plan_));
   const auto helpers = helpers_of(jobs);
   ASSERT_EQ(helpers.size(), 1u);
-  const ScriptContext context{plan_, {"s.toml"}, "/here", "/programs", "/logs"};
+  const ScriptContext context{plan_, "/here", "/programs", "/logs"};
   const std::string script = job_script(context, helpers.front());
   EXPECT_TRUE(
       has(script, {"--job-name=npdr-small-help\n", "--cpus-per-task=5\n", "/help-infer-refined",

@@ -34,15 +34,14 @@ TEST(FailureWords, AreTheEndOfTheLogWhereAJobSaysNothing) {
   for (int i = 1; i <= 21; ++i) lines += std::to_string(i) + "\n";
   const auto log = folder.file("log", lines);
   const std::string told = FailureWords().tell("infer", 137, {}, {log});
-  EXPECT_TRUE(told.starts_with(
-      "npdr: infer failed (killed by signal 9, often for want of memory; "
-      "run it again to go on, if that happens again with a smaller --jobs):\n    2\n    3\n"))
+  EXPECT_TRUE(
+      told.starts_with("npdr: infer failed (killed by signal 9, often for want of memory; "
+                       "run it again, with a smaller --jobs if that recurs):\n    2\n    3\n"))
       << told;
   EXPECT_TRUE(told.ends_with("    21\n    log: " + log.string() + "\n")) << told;
   EXPECT_EQ(FailureWords().tell("infer", 139, {}, {log, std::filesystem::file_size(log)}),
-            "npdr: infer failed (killed by signal 11, it crashed; where the study has a "
-            "simulator.library, its code may have, and crashes of a simulator.worker cost their "
-            "rows alone):\n    log: " +
+            "npdr: infer failed (killed by signal 11, it crashed, maybe in a simulator.library; a "
+            "worker that crashes costs only rows):\n    log: " +
                 log.string() + "\n")
       << "what an earlier job left there is none of its words";
 }

@@ -1,4 +1,4 @@
-#include "pipeline/run/run_costs.h"
+#include "pipeline/run/run_progress.h"
 
 #include "tests/pipeline/small_study.h"
 

@@ -1,4 +1,4 @@
-#include "pipeline/run/run_display.h"
+#include "pipeline/run/run_progress.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,15 @@
-/// What artefacts cost, to say how long a run still takes: a simulation of ten thousand rows and a
-/// proposal count as one artefact each, and not as one another.
+/// How far a run has come, how long it still takes, and how `npdr run` shows that. Artefacts count
+/// by what they cost: a simulation of ten thousand rows and a proposal not as one another.
 #pragma once
 
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "pipeline/plan/plan.h"
+#include "pipeline/process/live_lines.h"
 
 namespace npdr::pipeline {
 
@@ -27,12 +30,10 @@ class RunCosts {
     double sum = 0.0;
     double count = 0.0;
   };
-  using Kind = std::pair<Stage, std::string>;
   double size_of(const Node& node) const;
 
   const Plan& plan_;
-  std::map<Kind, Mean> by_method_;
-  std::map<Stage, Mean> by_stage_;
+  std::map<std::pair<Stage, std::string>, Mean> means_;  // by method, and of all of them
 };
 
 /// What is left of a run, artefact by artefact.
@@ -51,5 +52,25 @@ class WorkLeft {
   Index num_known_ = 0;
   std::map<Stage, Index> num_unknown_;
 };
+
+/// A run as it stands.
+struct RunProgress {
+  std::string study;
+  std::size_t num_made = 0;
+  std::size_t num_missing = 0;       ///< when it began
+  double seconds = 0.0;              ///< since then
+  std::optional<double> share = {};  ///< of the work that is done, by its cost; none: unknown
+  std::optional<double> seconds_left = {};  ///< as long as what is done took, by its cost
+  std::vector<std::string> jobs = {};  ///< "infer NPE, seed 1, round 1: 120 epochs, loss 1.2", ...
+};
+
+/// ", nothing new for 02:15", of a job that may hang; "" before a minute is over.
+std::string silence_text(double seconds);
+
+/// Lines for a terminal: a bar, and below it a line for each job where there is room.
+std::vector<std::string> live_lines(const RunProgress& run, const TerminalSize& size);
+
+/// One line for a log.
+std::string log_line(const RunProgress& run);
 
 }  // namespace npdr::pipeline
