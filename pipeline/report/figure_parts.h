@@ -14,6 +14,12 @@ std::vector<std::string> drawn_methods(std::vector<std::string> methods);
 /// A sentence that ends captions: " The first 6 of 7 methods."; "": all are drawn.
 std::string left_out_methods(const std::vector<std::string>& methods);
 
+/// Positions in the prior of the parameters that figures show: those that the study picks, or the
+/// first.
+std::vector<Index> shown_parameters(const Study& study);
+/// As left_out_methods(): " 2 of 16 parameters."
+std::string left_out_parameters(const Study& study);
+
 /// Quantiles of each column of samples (n, D) at analysis::kIntervalLevels, (D, 5); samples that
 /// aren't finite are left out. NaN where none is left.
 RowMatrix interval_quantiles(const RowMatrix& samples);

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
 #include "analysis/figure.h"
@@ -17,28 +16,6 @@
 
 namespace npdr::pipeline {
 namespace {
-
-// Positions in the prior of the parameters that figures show: those that the study picks, or the
-// first.
-std::vector<Index> shown_parameters(const Study& study) {
-  std::vector<Index> shown;
-  if (study.report.parameters.empty()) {
-    shown.resize(std::min<std::size_t>(study.prior.size(), analysis::kMaxPairParameters));
-    std::iota(shown.begin(), shown.end(), Index{0});
-  }
-  for (const std::string& name : study.report.parameters) {
-    const auto found = std::ranges::find(study.prior, name, &inference::Marginal::name);
-    shown.push_back(found - study.prior.begin());
-  }
-  return shown;
-}
-
-// As left_out_methods(): " 2 of 16 parameters."
-std::string left_out_parameters(const Study& study) {
-  const std::size_t shown = shown_parameters(study).size();
-  if (shown == study.prior.size()) return "";
-  return fmt::format(" {} of {} parameters.", shown, study.prior.size());
-}
 
 // Nominal, truth and the first references.
 std::vector<analysis::MarkedPoint> marked_points(const ReportData& data) {
