@@ -2,8 +2,8 @@
 #include <set>
 
 #include "pipeline/report/figure_parts.h"
-#include "pipeline/report/texts.h"
 #include "pipeline/report/registry.h"
+#include "pipeline/report/texts.h"
 #include "tests/pipeline/small_study.h"
 
 namespace npdr::pipeline {

@@ -1,5 +1,0 @@
-#include "pipeline/predictions/left_out.cpp"
-#include "pipeline/predictions/policy_rollouts.cpp"
-#include "pipeline/predictions/prediction.cpp"
-#include "pipeline/predictions/scores.cpp"
-#include "pipeline/predictions/search_box.cpp"
