@@ -18,7 +18,6 @@
 #include "pipeline/cluster/slurm.h"
 #include "pipeline/cluster/task_log.h"
 #include "pipeline/process/batch_job.h"
-#include "pipeline/process/task_mark.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -77,10 +77,6 @@ Findings find_in_all(const Simulation& simulation, const std::vector<Shard>& sha
     x.require_shape({shard.rows.size(), std::ssize(columns)});
     observe(outliers, x);
   }
-  // Of programs the first rows, asked for again, say so.
-  if (!simulation.plan.study.source().takes_seeds && outliers.are_rows_same()) {
-    return {warning(kSameRows)};
-  }
   return outliers.find(columns);
 }
 

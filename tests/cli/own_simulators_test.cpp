@@ -152,9 +152,8 @@ npdr_worker.serve(simulate)
   const std::string here = python_ + " sim.py", below = "cd model && " + here;
   const std::string of_here = said(here, "[]"), of_below = said(below, "[]");
   EXPECT_TRUE(has(of_here,
-                  "the worker imports 'constants.py', which the study doesn't name: when "
-                  "edited, nothing is simulated again; add simulator.files = "
-                  "['constants.py']"));
+                  "the worker imports files that the study doesn't name: when they are edited, "
+                  "nothing is simulated again; add simulator.files = ['constants.py']"));
   EXPECT_FALSE(has(said(here, "['constants.py']"), "the worker imports"));
   const std::string both = "['model/constants.py', 'model/sim.py']";
   EXPECT_TRUE(has(of_below, "simulator.files = " + both));

@@ -91,7 +91,7 @@ TEST(Terminal, ShowsWhyACallOfTheSimulatorFailedWhileItIsRepeated) {
                               {.err = terminal.name()});
   EXPECT_EQ(outcome.status, 0);
   const std::string shown = terminal.text();
-  EXPECT_TRUE(has(shown, "a call of 64 rows failed: exit status 9"));
+  EXPECT_TRUE(has(shown, "64 of 64 rows failed: exit status 9"));
 }
 
 // The longest label has 36 characters: with keys its row has 80.

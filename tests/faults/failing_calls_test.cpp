@@ -42,14 +42,6 @@ class FailingCalls : public Faults {
   }
 };
 
-TEST_F(FailingCalls, AFileSystemWithoutLocksNeedsNone) {
-  for (const int error : {ENOLCK, EOPNOTSUPP}) {
-    std::filesystem::remove_all(folder_->work());
-    const FailingCall without_locks("flock", error);
-    expect_to_go_on();
-  }
-}
-
 // Whatever keeps a good file from being read, nobody is to remove it.
 TEST_F(FailingCalls, WhatCannotBeReadJustNowIsNotCalledDamaged) {
   const Artefact reader = posterior();
@@ -121,8 +113,7 @@ const std::vector<CallAndErrors> kCases = {
     {"open", {EMFILE, EINTR}},  {"read", {EIO, EINTR, 0}},
     {"pread", {EIO, EINTR, 0}}, {"write", {ENOSPC, EINTR, 0}},
     {"pwrite", {ENOSPC, 0}},    {"fsync", {EIO}},
-    {"rename", {EIO}},          {"close", {EIO}},
-    {"flock", {EINTR, ENOLCK}}};
+    {"rename", {EIO}},          {"close", {EIO}}};
 
 // What became of programs in which one call failed, and how often.
 const std::vector<std::string> kFates = {

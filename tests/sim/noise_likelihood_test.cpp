@@ -85,7 +85,7 @@ double log_integral_on_grid(const NoiseModel& model, const std::vector<float>& e
 
 // That of the errors, where all simulated states are 0.
 double log_likelihood(const NoiseModel& model, const std::vector<float>& errors) {
-  return log_likelihood(model, errors);
+  return NoiseLikelihood(model, errors).log_likelihood(std::vector<float>(errors.size(), 0.0f));
 }
 
 TEST(NoiseLikelihood, OfKnownNoiseIsItsDensity) {

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/sources/row_simulator.h"
 #include "pipeline/store/h5.h"
 #include "tests/temp_folder.h"
 
@@ -48,9 +49,9 @@ class ExternalSimulators : public ::testing::Test {
 
   ExternalSimulator program(const std::string& command, Index hopeless = kHopelessRows) {
     study_.external.command = command;
-    const sim::SimulatorInfo info = simulator_info(study_);
-    return {study_.external, info, make_file_call(study_.external, info, nullptr, 2),
-            folder_ / "log", hopeless};
+    return {{study_.external, simulator_info(study_), feature_segments(2), 1, 2},
+            folder_ / "log",
+            hopeless};
   }
 
   // What is said where a program can't simulate rows of the parameters 0.

@@ -81,6 +81,13 @@ TEST(RepeatedRows, AreCounted) {
   EXPECT_EQ(words_of(find_same_rows(theta(64), rows(64))), "");
 }
 
+TEST(RepeatedRows, AreToldWhereAllAre) {
+  const RowMatrixF x = RowMatrixF::Constant(64, 1, 7.0f);
+  EXPECT_NE(words_of(find_same_rows(theta(64), x)).find("all of the first 64 rows"),
+            std::string::npos);
+  EXPECT_EQ(words_of(find_same_rows(theta(7), x.topRows(7))), "") << "too few to tell";
+}
+
 TEST(RepeatedRows, AreNoneOfTheSameParameters) {
   RowMatrix same = theta(64);
   for (Index i = 0; i < 3; ++i) same(5 + 7 * i, 0) = 0.0;

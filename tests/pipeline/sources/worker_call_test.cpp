@@ -50,9 +50,6 @@ while True:
                     time.sleep(1000)
                 os._exit(3)
             if what == "hangs": time.sleep(1000)
-            if what == "closes":
-                os.close(1)
-                time.sleep(1000)
             if what == "error":
                 replies.write(b'{"npdr_worker": 1, "reply": "error", "message": "boom"}\n')
                 break
@@ -107,9 +104,7 @@ class Workers : public ::testing::Test {
     target.dt = 0.5;
     target.state_channels = {{"x", "m"}, {"y", "1"}};
     target.rollouts = {{"0", RowMatrix::Zero(5, 2), RowMatrix(4, 0)}};
-    const sim::SimulatorInfo info = simulator_info(study_);
-    return {study_.external, info,
-            make_worker_call(study_.external, info, {sim::cut(target, 0), 1}, 1), folder_ / "log"};
+    return {{study_.external, simulator_info(study_), sim::cut(target, 0), 1, 1}, folder_ / "log"};
   }
 
   // Rows a = 0, 1, ..., n - 1, one of which does `what`.
@@ -203,11 +198,6 @@ TEST_F(Workers, AReplyTooManyIsNoneToTheNextRequest) {
   EXPECT_TRUE(has(simulator.last_failure(), " before it was asked; each request has one reply"));
   EXPECT_EQ(value(7.0), 7.0f);
   EXPECT_EQ(lines_of("starts"), 2);
-}
-
-TEST_F(Workers, AClosedOutputIsNotWaitedFor) {
-  study_.external.time_limit = 30.0;
-  expect_only_five_is(run(6, "closes"), RolloutStatus::bad_output);
 }
 
 TEST_F(Workers, RowsThatFailOnTheirOwnNeedNoFurtherRequest) {

@@ -1,5 +1,3 @@
-#include "pipeline/predictions/left_out.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,8 +5,52 @@
 #include <functional>
 #include <numbers>
 
+#include "pipeline/predictions/left_out.h"
+#include "pipeline/predictions/scores.h"
+#include "pipeline/predictions/search_box.h"
+
 namespace npdr::pipeline {
 namespace {
+
+// Two samples, the second of which has failed, of one channel.
+class InferredNoises : public ::testing::Test {
+ protected:
+  InferredNoises() {
+    seen_.resize(2, 1, 3, 1);
+    seen_.status = {sim::RolloutStatus::ok, sim::RolloutStatus::diverged};
+  }
+
+  std::optional<InferredNoise> of(const sim::ChannelNoise& noise) const {
+    const sim::NoiseModel model({noise}, RowMatrix::Ones(1, 1), std::vector<char>{1, 0, 0});
+    return inferred_noise(model, {{{0.2, 0.5, 4.0}}, {{0.3, 0.6, 5.0}}}, seen_);
+  }
+
+  sim::Trajectories seen_;
+};
+
+TEST_F(InferredNoises, AreNotThoseOfSamplesThatFailed) {
+  const auto inferred = of({.scale = {0.2, 1.0},
+                            .is_correlated = true,
+                            .correlation = {0.5, 1.0},
+                            .is_heavy_tailed = true,
+                            .degrees_of_freedom = {4.0, 1.0}});
+  ASSERT_TRUE(inferred.has_value());
+  EXPECT_EQ(inferred->scale(0, 0), 0.2);
+  EXPECT_EQ(inferred->correlation(0, 0), 0.5);
+  EXPECT_EQ(inferred->degrees_of_freedom(0, 0), 4.0);
+  for (const RowMatrix* values :
+       {&inferred->scale, &inferred->correlation, &inferred->degrees_of_freedom}) {
+    EXPECT_TRUE(std::isnan((*values)(1, 0)));
+  }
+}
+
+TEST_F(InferredNoises, AreThereWhereAnyParameterIsUnknown) {
+  EXPECT_FALSE(of({.scale = {0.2, 0.0}}).has_value());
+  const auto white = of({.scale = {0.2, 1.0}});
+  ASSERT_TRUE(white.has_value());
+  EXPECT_EQ(white->correlation.size(), 0);
+  EXPECT_EQ(white->degrees_of_freedom.size(), 0);
+}
 
 constexpr Index kRollouts = 3, kSteps = 200;
 
@@ -74,6 +116,23 @@ TEST(LeftOut, WhereNoiseHardlyMattersItIsKept) {
   const std::vector<float> recorded = white(1.0, 0);
   std::ranges::transform(near, recorded, near.begin(), std::plus());
   EXPECT_EQ(score_of(1.0, 1.0, recorded, near).noise_factor, 1.0);
+}
+
+using inference::Marginal;
+
+TEST(SearchBox, IsThePriorInsideOfWhatIsPossible) {
+  const auto simulator = sim::make_simulator({.name = "pendulum"});
+  const SearchBox box = search_box({{"pole_mass", "kg", Marginal::Kind::uniform, 0.3, 1.7},
+                                    {"pole_length", "m", Marginal::Kind::log_uniform, 0.1, 2.0},
+                                    {"gravity", "m/s^2", Marginal::Kind::normal, 9.0, 0.5},
+                                    {"damping", "N m s/rad", Marginal::Kind::normal, 0.33, 0.1}},
+                                   simulator->info());
+  EXPECT_EQ(box.lower, (Vector{{0.3, 0.1, 7.0, 0.0}})) << "no negative damping";
+  EXPECT_EQ(box.upper, (Vector{{1.7, 2.0, 11.0, 0.33 + 4.0 * 0.1}}));
+  const SearchBox log_normal =
+      search_box({{"pole_mass", "kg", Marginal::Kind::log_normal, 0.0, 0.25}}, simulator->info());
+  EXPECT_DOUBLE_EQ(log_normal.lower(0), std::exp(-1.0));
+  EXPECT_DOUBLE_EQ(log_normal.upper(0), std::exp(1.0));
 }
 
 }  // namespace
