@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "pipeline/artefacts/target_file.h"
+#include "pipeline/artefacts/recording.h"
 #include "pipeline/findings/dataset_probes.h"
 
 namespace npdr::pipeline {

@@ -5,11 +5,9 @@
 
 #include "analysis/summary.h"
 #include "core/finding.h"
-#include "pipeline/artefacts/baseline_file.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/policy_file.h"
-#include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/plan/plan.h"
 

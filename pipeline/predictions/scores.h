@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "pipeline/artefacts/evaluation_file.h"
-#include "pipeline/artefacts/prediction_scores.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/predictions/prediction.h"
 #include "sim/noise_model.h"

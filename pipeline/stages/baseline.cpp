@@ -2,7 +2,7 @@
 
 #include "analysis/floor.h"
 #include "core/stop_request.h"
-#include "pipeline/artefacts/baseline_file.h"
+#include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/predictions/search_box.h"

@@ -8,7 +8,6 @@
 #include "core/quantile.h"
 #include "core/stop_request.h"
 #include "inference/diagnostics/calibration.h"
-#include "pipeline/artefacts/diagnosis_checkpoint.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/stop_request.h"
-#include "pipeline/artefacts/checkpoint_file.h"
+#include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/simulation_features.h"

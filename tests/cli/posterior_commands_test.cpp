@@ -109,7 +109,7 @@ TEST_F(PosteriorCommands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
   EXPECT_TRUE(
       says(rejected([](Target& t) { t.state_channels[0].unit = "deg"; }),
            {"npdr sample: x.h5: dataset 'states': channels are theta [deg], theta_dot [rad/s]",
-            "must be theta [rad], theta_dot [rad/s]", "convert its values"}));
+            "must be theta [rad], theta_dot [rad/s]", "convert its columns"}));
   EXPECT_TRUE(says(
       rejected([](Target& t) { t.action_channels[0].label = "force"; }),
       {"npdr sample: x.h5: dataset 'actions': channels are force [N m]", "must be torque [N m]"}));

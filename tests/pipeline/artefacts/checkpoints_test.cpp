@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
-#include "pipeline/artefacts/diagnosis_checkpoint.h"
+#include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "tests/temp_folder.h"

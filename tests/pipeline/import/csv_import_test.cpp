@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "pipeline/import/csv_import.h"
-#include "pipeline/import/resample.h"
+#include "pipeline/import/csv_times.h"
 #include "pipeline/import/rollout_length.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
@@ -123,25 +123,29 @@ TEST_F(CsvImport, ScalesColumns) {
   EXPECT_EQ(target.rollouts[0].actions(1, 0), -6.0);
 }
 
-// States that are linear in time, actions that count rows.
-struct Ramp {
-  RowMatrix states, actions;
-};
-
-Ramp ramp(const std::vector<double>& times) {
+CsvRows rows_at(const std::vector<double>& times) {
+  CsvRows rows;
+  rows.name = "a.csv";
+  rows.times = times;
   const auto n = static_cast<Index>(times.size());
-  Ramp rows{RowMatrix(n, 2), RowMatrix(n - 1, 1)};
-  for (Index t = 0; t < n; ++t) {
+  rows.rollout = {"a", RowMatrix(n, 2), RowMatrix(n - 1, 1)};
+  return rows;
+}
+
+// States that are linear in time, actions that count rows.
+CsvRows ramp(const std::vector<double>& times) {
+  CsvRows rows = rows_at(times);
+  for (Index t = 0; t < std::ssize(times); ++t) {
     const double time = times[static_cast<std::size_t>(t)];
-    rows.states.row(t) << 3.0 * time, 1.0 - time;
-    if (t + 1 < n) rows.actions(t, 0) = static_cast<double>(t);
+    rows.rollout.states.row(t) << 3.0 * time, 1.0 - time;
+    if (t + 1 < std::ssize(times)) rows.rollout.actions(t, 0) = static_cast<double>(t);
   }
   return rows;
 }
 
-EvenRows even(const std::vector<double>& times, double dt) {
-  const Ramp rows = ramp(times);
-  return resampled(times, rows.states, rows.actions, dt);
+Rollout even(const std::vector<double>& times, double dt) {
+  const CsvRows rows = ramp(times);
+  return resampled(rows, rows.rollout, dt);
 }
 
 TEST(Resample, ActionsAreThoseHeldForMostOfAStep) {
@@ -153,11 +157,11 @@ TEST(Resample, ActionsAreThoseHeldForMostOfAStep) {
 TEST(Resample, RoundedTimesOfAnEvenClockKeepEveryRow) {
   std::vector<double> times;
   for (int t = 0; t <= 90; ++t) times.push_back(std::round(1000.0 * t / 30.0) / 1000.0);
-  const Ramp rows = ramp(times);
-  const EvenRows found = even(times, 1.0 / 30.0);
+  const CsvRows rows = ramp(times);
+  const Rollout found = even(times, 1.0 / 30.0);
   ASSERT_EQ(found.actions.rows(), 90);
-  EXPECT_EQ(found.actions, rows.actions);
-  EXPECT_LT((found.states - rows.states).cwiseAbs().maxCoeff(), 3.0 * 0.0006);
+  EXPECT_EQ(found.actions, rows.rollout.actions);
+  EXPECT_LT((found.states - rows.rollout.states).cwiseAbs().maxCoeff(), 3.0 * 0.0006);
 }
 
 // A line between samples h apart is at most h^2 / 8 times the second derivative off.
@@ -165,12 +169,12 @@ TEST(Resample, TheErrorOfALineIsItsCurvature) {
   std::vector<double> times = {0.0};
   Stream stream({1, "clock", 0, 0, 0});
   while (times.back() < 4.0) times.push_back(times.back() + 0.01 * (0.5 + stream.uniform()));
-  RowMatrix states(static_cast<Index>(times.size()), 1);
-  for (Index t = 0; t < states.rows(); ++t) {
-    states(t, 0) = std::sin(5.0 * times[static_cast<std::size_t>(t)]);
+  CsvRows rows = rows_at(times);
+  for (Index t = 0; t < rows.rollout.states.rows(); ++t) {
+    rows.rollout.states.row(t).setConstant(std::sin(5.0 * times[static_cast<std::size_t>(t)]));
   }
-  const RowMatrix actions = RowMatrix::Zero(states.rows() - 1, 1);
-  const EvenRows found = resampled(times, states, actions, 0.01);
+  rows.rollout.actions.setZero();
+  const Rollout found = resampled(rows, rows.rollout, 0.01);
   for (Index t = 0; t < found.states.rows(); ++t) {
     EXPECT_NEAR(found.states(t, 0), std::sin(0.05 * static_cast<double>(t)),
                 25.0 * 0.015 * 0.015 / 8.0);
@@ -178,20 +182,18 @@ TEST(Resample, TheErrorOfALineIsItsCurvature) {
 }
 
 TEST(Resample, AStepThatFillsTheMemoryIsRefused) {
-  for (const auto& [dt, said] : {std::pair{1e-9, "1e-09 s makes 1e+08 steps of 2 rows"},
-                                 {1e-300, "1e-300 s makes 1e+299 steps of 2 rows"}}) {
+  for (const auto& [dt, said] : {std::pair{1e-9, "--resample 1e-09 makes 1e+08 steps of 2 rows"},
+                                 {1e-300, "--resample 1e-300 makes 1e+299 steps of 2 rows"}}) {
     const auto refused = [dt = dt] { even({0.0, 0.1}, dt); };
-    EXPECT_TRUE(says(message_of<InputError>(refused), {said, "must make at most 2000"}));
+    EXPECT_TRUE(says(message_of<InputError>(refused), {said, "must make 1 to 2000"}));
   }
   EXPECT_EQ(even({0.0, 0.1}, 0.1 / 2000.0).actions.rows(), 2000);
 }
 
-const std::vector<std::string> kCsvFiles = {"a.csv", "b.csv"};
-
 Target target_of(const std::vector<Index>& lengths) {
   Target target{0.1, {{"x", "m"}}, {{"u", "V"}}, {}, "test"};
   for (const Index length : lengths) {
-    const std::string name = kCsvFiles[target.rollouts.size()].substr(0, 1);
+    const std::string name = target.rollouts.empty() ? "a" : "b";
     target.rollouts.push_back(
         {name, Vector::LinSpaced(length + 1, 0.0, 1.0), Vector::Ones(length)});
   }
@@ -201,7 +203,7 @@ Target target_of(const std::vector<Index>& lengths) {
 TEST(RolloutLength, IsCutIntoPiecesOfTheShortestOrANumber) {
   Target target = target_of({5, 3});
   EXPECT_EQ(
-      texts_of(cut_rollouts(target, 0, kCsvFiles)),
+      texts_of(cut_rollouts(target, 0)),
       std::vector<std::string>{
           "cut into rollouts of 3 steps: 1 of a (2 steps dropped), 1 of b (0 steps dropped)"});
   target.check("x");
@@ -210,7 +212,7 @@ TEST(RolloutLength, IsCutIntoPiecesOfTheShortestOrANumber) {
   EXPECT_DOUBLE_EQ(target.rollouts[0].states(3, 0), 0.6) << "the first steps are kept";
 
   Target long_one = target_of({5, 3});
-  cut_rollouts(long_one, 2, kCsvFiles);
+  cut_rollouts(long_one, 2);
   long_one.check("x");
   ASSERT_EQ(long_one.num_rollouts(), 3);
   EXPECT_EQ(long_one.rollouts[1].name, "a.2");
@@ -218,7 +220,7 @@ TEST(RolloutLength, IsCutIntoPiecesOfTheShortestOrANumber) {
   const RowMatrix second = Vector{{0.4, 0.6, 0.8}};
   EXPECT_TRUE(long_one.rollouts[1].states.isApprox(second)) << "it begins where the first one ends";
   Target equal = target_of({3, 3});
-  EXPECT_TRUE(cut_rollouts(equal, {}, kCsvFiles).empty());
+  EXPECT_TRUE(cut_rollouts(equal, {}).empty());
 }
 
 }  // namespace

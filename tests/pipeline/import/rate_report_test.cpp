@@ -34,7 +34,7 @@ Target right_target(double dt = 0.004) {
       states.col(c) = motion.position;
       states.col(c + 2) = motion.rate;
     }
-    target.rollouts.push_back({kFiles[h].substr(0, 1), states, RowMatrix(999, 0)});
+    target.rollouts.push_back({kFiles[h], states, RowMatrix(999, 0)});
   }
   return target;
 }
@@ -43,7 +43,7 @@ Target right_target(double dt = 0.004) {
 std::vector<std::string> problems(const Target& target, const std::string& time = "t",
                                   Severity severity = Severity::suspicious) {
   std::vector<std::string> words;
-  for (const Finding& finding : find_in_rates(target, kPairs, kFiles, time)) {
+  for (const Finding& finding : find_in_rates(target, kPairs, time)) {
     if (finding.severity == severity) words.push_back(finding.what);
   }
   return words;

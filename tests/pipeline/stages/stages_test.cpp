@@ -1,6 +1,6 @@
 #include "pipeline/stages/stages.h"
 
-#include "pipeline/artefacts/checkpoint_file.h"
+#include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/proposal_file.h"

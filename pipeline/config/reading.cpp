@@ -1,4 +1,4 @@
-#include "pipeline/config/problems.h"
+#include "pipeline/config/reading.h"
 
 #include <algorithm>
 #include <string_view>
@@ -9,11 +9,7 @@
 
 namespace npdr::pipeline {
 
-void Problems::add(const Place& place, const std::string& message) {
-  problems_.push_back({place, message});
-}
-
-void Problems::throw_if_any() const {
+void Reading::throw_if_bad() const {
   if (problems_.empty()) return;
   std::vector<Problem> sorted = problems_;
   std::stable_sort(sorted.begin(), sorted.end(), [](const Problem& a, const Problem& b) {
@@ -37,12 +33,8 @@ KeySource Reading::source(const std::string& path) const {
   return found == sources_.end() ? KeySource{{origin()}, {origin()}} : found->second;
 }
 
-void Reading::fail(const std::string& path, const std::string& message) {
-  fail(path, place(path), message);
-}
-
 void Reading::fail(const std::string& path, const Place& place, const std::string& message) {
-  problems_.add(place, message);
+  problems_.push_back({place, message});
   failed_.insert(path);
 }
 

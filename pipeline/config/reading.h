@@ -1,4 +1,4 @@
-/// Problems of a study and their places: collected, so that one run reports everything.
+/// What is known of a study while it is read: where its keys stand, and what is wrong with them.
 #pragma once
 
 #include <map>
@@ -6,29 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "core/text.h"
 #include "pipeline/config/places.h"
 
 namespace npdr::pipeline {
 
-/// Problems of one study.
-class Problems {
- public:
-  void add(const Place& place, const std::string& message);
-  bool empty() const { return problems_.empty(); }
+/// "method[0].training" as people write it: "method.training".
+std::string display(const std::string& path);
 
-  /// Throws one InputError with a line per problem in the file's order, each line once, and
-  /// the number of those beyond the first 50.
-  void throw_if_any() const;
-
- private:
-  struct Problem {
-    Place place;
-    std::string message;
-  };
-  std::vector<Problem> problems_;
-};
-
-/// A reading in progress: what went wrong so far and where each key stands.
+/// Problems are collected, so that one run reports everything.
 class Reading {
  public:
   explicit Reading(std::string origin) : places_(std::move(origin)) {}
@@ -52,25 +38,38 @@ class Reading {
   bool has(const std::string& path) const { return places_.has(path); }
   Place place(const std::string& path) const { return places_.of(path); }
 
-  /// Adds "path message" at the path's place and remembers that the value can't be relied on.
-  void fail(const std::string& path, const std::string& message);
+  /// Adds the message at the path's place and remembers that the value can't be relied on.
+  void fail(const std::string& path, const std::string& message) {
+    fail(path, place(path), message);
+  }
   void fail(const std::string& path, const Place& place, const std::string& message);
+  /// The same: `path = found, must be words`.
+  void reject(const std::string& path, const std::string& found, const std::string& words,
+              const std::vector<std::string>& names = {}) {
+    fail(path, must_be(display(path), found, words, names));
+  }
   /// True when nothing was found wrong with `path`, its members or a table that it is in.
   bool good(const std::string& path) const;
 
   const std::string& origin() const { return places_.origin(); }
   const Places& places() const { return places_; }
-  const Problems& problems() const { return problems_; }
+
+  bool is_fine() const { return problems_.empty(); }
+  /// Throws one InputError with a line per problem in the file's order, each line once, and the
+  /// number of those beyond the first 50.
+  void throw_if_bad() const;
 
  private:
+  struct Problem {
+    Place place;
+    std::string message;
+  };
+
   Places places_;
-  Problems problems_;
+  std::vector<Problem> problems_;
   std::set<std::string> failed_;
   std::map<std::string, KeySource> sources_;
   bool is_of_json_ = false;
 };
-
-/// "method[0].training" as people write it: "method.training".
-std::string display(const std::string& path);
 
 }  // namespace npdr::pipeline
