@@ -92,12 +92,6 @@ bool has_rollout_scores(const ReportData& data) {
       data.runs, [](const EvaluatedRun& run) { return run.evaluation.scores.seen.has_value(); });
 }
 
-bool evaluates_rounds(const ReportData& data) {
-  const EvaluateConfig& evaluate = data.plan.study.evaluate;
-  return has_posteriors(data) && evaluate.rounds == EvaluatedRounds::all &&
-         !evaluate.metrics.empty();
-}
-
 bool has_policies(const ReportData& data) { return !data.policies.empty(); }
 
 namespace {

@@ -77,7 +77,6 @@ struct ReportData {
 
 /// Conditions under which several tables and figures exist.
 bool has_posteriors(const ReportData& data);
-bool evaluates_rounds(const ReportData& data);
 bool predicts_features(const ReportData& data);
 bool has_rollout_scores(const ReportData& data);
 bool has_policies(const ReportData& data);

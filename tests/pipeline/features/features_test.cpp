@@ -2,7 +2,7 @@
 #include "core/constants.h"
 #include "pipeline/features/row_store.h"
 #include "pipeline/features/series_summary.h"
-#include "pipeline/features/usual_features.h"
+#include "pipeline/features/simulation_features.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {

@@ -5,8 +5,8 @@
 #include <functional>
 #include <numbers>
 
-#include "pipeline/predictions/inferred_noise.h"
 #include "pipeline/predictions/left_out.h"
+#include "pipeline/predictions/scores.h"
 #include "pipeline/predictions/search_box.h"
 
 namespace npdr::pipeline {

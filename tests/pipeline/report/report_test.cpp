@@ -2,9 +2,8 @@
 #include <set>
 
 #include "pipeline/report/figure_parts.h"
-#include "pipeline/report/next_steps.h"
-#include "pipeline/report/pooling_text.h"
 #include "pipeline/report/registry.h"
+#include "pipeline/report/texts.h"
 #include "tests/pipeline/findings/findings_fixture.h"
 #include "tests/pipeline/small_study.h"
 

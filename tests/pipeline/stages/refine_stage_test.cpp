@@ -12,7 +12,7 @@
 #include "pipeline/features/observation.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/findings/data.h"
-#include "pipeline/predictions/power_weights.h"
+#include "pipeline/predictions/left_out.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/run/run_stage.h"

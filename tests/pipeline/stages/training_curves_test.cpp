@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "pipeline/stages/power_search.h"
+#include "pipeline/predictions/left_out.h"
 #include "pipeline/stages/training_curves.h"
 
 namespace npdr::pipeline {
@@ -51,54 +51,54 @@ TEST_F(TrainingCurves, OfALikelihoodMustHaveConvergedWhereItCounts) {
 LeftOutScore crps(double first, double second) { return {1.0, Vector{{first, second}}}; }
 
 TEST(PowerSearch, TakesTheSmallestThatIsAboutAsGoodAsTheBest) {
-  PowerSearch search({});
-  search.add(0.1, crps(0.30, 0.40));
-  search.add(0.4, crps(0.10, 0.20));    // 0.15 with a standard error of 0.05
-  search.add(0.2, crps(0.145, 0.245));  // a level that fell back
-  search.add(0.3, crps(0.12, 0.22));
-  EXPECT_EQ(search.scores().power, (Vector{{0.1, 0.2, 0.3, 0.4}}));
-  EXPECT_EQ(search.scores().crps(1, 0), 0.145);
-  EXPECT_EQ(search.best(), 0.2);
-  EXPECT_TRUE(search.scores().ends_at_least(1.0));
-  search.add(0.5, crps(0.11, 0.21));
-  EXPECT_FALSE(search.scores().ends_at_least(1.0));
+  PowerScores search;
+  add_power(search, 0.1, crps(0.30, 0.40));
+  add_power(search, 0.4, crps(0.10, 0.20));    // 0.15 with a standard error of 0.05
+  add_power(search, 0.2, crps(0.145, 0.245));  // a level that fell back
+  add_power(search, 0.3, crps(0.12, 0.22));
+  EXPECT_EQ(search.power, (Vector{{0.1, 0.2, 0.3, 0.4}}));
+  EXPECT_EQ(search.crps(1, 0), 0.145);
+  EXPECT_EQ(best_power(search), 0.2);
+  EXPECT_TRUE(search.ends_at_least(1.0));
+  add_power(search, 0.5, crps(0.11, 0.21));
+  EXPECT_FALSE(search.ends_at_least(1.0));
 }
 
 TEST(PowerSearch, RolloutsThatAgreeTellPowersApart) {
-  PowerSearch search({});
-  search.add(0.1, crps(0.106, 0.106));
-  search.add(0.15, crps(0.101, 0.102));  // a hundredth more than the best, or a bit less
-  search.add(0.2, crps(0.1, 0.102));
-  EXPECT_EQ(search.best(), 0.15);
-  search.add(0.4, crps(0.09, 0.09));
-  EXPECT_EQ(search.best(), 0.4);
-  EXPECT_TRUE(search.scores().ends_at_least(1.0));
-  EXPECT_FALSE(search.scores().ends_at_least(0.4));
+  PowerScores search;
+  add_power(search, 0.1, crps(0.106, 0.106));
+  add_power(search, 0.15, crps(0.101, 0.102));  // a hundredth more than the best, or a bit less
+  add_power(search, 0.2, crps(0.1, 0.102));
+  EXPECT_EQ(best_power(search), 0.15);
+  add_power(search, 0.4, crps(0.09, 0.09));
+  EXPECT_EQ(best_power(search), 0.4);
+  EXPECT_TRUE(search.ends_at_least(1.0));
+  EXPECT_FALSE(search.ends_at_least(0.4));
 }
 
 TEST(PowerSearch, EndsWhereMoreCantHelpOrIsOutOfReach) {
-  PowerSearch search({});
-  EXPECT_FALSE(search.is_over(1.0));
-  search.add(0.1, crps(0.1, 0.2));
-  EXPECT_FALSE(search.is_over(1.0));
-  EXPECT_TRUE(search.is_over(0.1)) << "all that is wanted";
-  search.add(0.15, crps(0.2, 0.3));
-  search.add(0.21, crps(0.2, 0.3));
-  EXPECT_FALSE(search.is_over(1.0)) << "twice the best, but few";
-  search.add(0.25, crps(0.2, 0.3));
-  EXPECT_TRUE(search.is_over(1.0));
-  PowerSearch unsure({});
-  unsure.add(0.1, crps(0.0, 0.24));
-  unsure.add(0.2, crps(0.0, 0.22));
-  EXPECT_EQ(unsure.best(), 0.1);
-  EXPECT_FALSE(unsure.is_over(1.0)) << "scores are still falling";
-  EXPECT_TRUE(unsure.scores().ends_at_least(1.0));
-  PowerSearch stuck({});
+  PowerScores search;
+  EXPECT_FALSE(are_enough(search, 1.0));
+  add_power(search, 0.1, crps(0.1, 0.2));
+  EXPECT_FALSE(are_enough(search, 1.0));
+  EXPECT_TRUE(are_enough(search, 0.1)) << "all that is wanted";
+  add_power(search, 0.15, crps(0.2, 0.3));
+  add_power(search, 0.21, crps(0.2, 0.3));
+  EXPECT_FALSE(are_enough(search, 1.0)) << "twice the best, but few";
+  add_power(search, 0.25, crps(0.2, 0.3));
+  EXPECT_TRUE(are_enough(search, 1.0));
+  PowerScores unsure;
+  add_power(unsure, 0.1, crps(0.0, 0.24));
+  add_power(unsure, 0.2, crps(0.0, 0.22));
+  EXPECT_EQ(best_power(unsure), 0.1);
+  EXPECT_FALSE(are_enough(unsure, 1.0)) << "scores are still falling";
+  EXPECT_TRUE(unsure.ends_at_least(1.0));
+  PowerScores stuck;
   for (int i = 0; i <= 10; ++i) {
-    EXPECT_FALSE(stuck.is_over(1.0)) << i;
-    stuck.add(0.2 + 0.001 * i, crps(0.2 - 0.01 * i, 0.2 - 0.01 * i));
+    EXPECT_FALSE(are_enough(stuck, 1.0)) << i;
+    add_power(stuck, 0.2 + 0.001 * i, crps(0.2 - 0.01 * i, 0.2 - 0.01 * i));
   }
-  EXPECT_TRUE(stuck.is_over(1.0));
+  EXPECT_TRUE(are_enough(stuck, 1.0));
 }
 
 }  // namespace

@@ -3,12 +3,26 @@
 #include <algorithm>
 
 #include "analysis/path_plot.h"
+#include "analysis/trajectory_plot.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/registry.h"
 
 namespace npdr::pipeline {
 namespace {
+
+std::optional<ReportedFigure> figure_of_bands(const ReportData& data, const char* name,
+                                              const char* rollouts, const Target* target,
+                                              std::optional<analysis::Bands> Evaluation::*bands) {
+  if (!has_rollout_scores(data) || target == nullptr) return std::nullopt;
+  analysis::TrajectoryPlot plot{.name = name};
+  for (const std::string& method : drawn_methods(data.methods)) {
+    plot.predictions.push_back({method, *(data.runs_of(method).front()->evaluation.*bands)});
+  }
+  return {{figure_of(plot, *target),
+           fmt::format("Recorded states{}, predictive median and 90 % band of seed {}.", rollouts,
+                       data.seeds.front())}};
+}
 
 constexpr Index kDrawnSamples = 30;  // of each method
 
@@ -47,6 +61,18 @@ std::vector<RowMatrix> fixed_outlines(const ReportData& data) {
 
 }  // namespace
 
+/// Recorded and predicted trajectories of the first seed.
+std::optional<ReportedFigure> trajectory_figure(const ReportData& data) {
+  return figure_of_bands(data, "trajectories", "", &data.target, &Evaluation::bands);
+}
+
+/// The same of the rollouts that were held out.
+std::optional<ReportedFigure> held_out_figure(const ReportData& data) {
+  return figure_of_bands(data, "trajectories_held_out",
+                         " of held-out rollouts, which inference hasn't seen",
+                         data.held_out ? &*data.held_out : nullptr, &Evaluation::held_out_bands);
+}
+
 /// Paths and shapes of a system that moves on a plane, seen from above: at posterior samples of the
 /// first seed, against the target and the held-out rollouts.
 std::optional<ReportedFigure> path_figure(const ReportData& data) {
@@ -69,8 +95,8 @@ std::optional<ReportedFigure> path_figure(const ReportData& data) {
   }
   return {{figure_of(plot),
            fmt::format("Seen from above: the target's paths, and paths and shapes at the first {} "
-                       "posterior samples of seed {}. Black: what no parameter moves.{}",
-                       kDrawnSamples, data.seeds.front(), left_out_methods(data.methods))}};
+                       "posterior samples of seed {}. Black: what no parameter moves.",
+                       kDrawnSamples, data.seeds.front())}};
 }
 
 }  // namespace npdr::pipeline

@@ -1,12 +1,14 @@
-#include "pipeline/report/next_steps.h"
+#include "pipeline/report/texts.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
 #include <tuple>
+#include <vector>
 
 #include "core/shell_text.h"
+#include "core/text.h"
 #include "pipeline/findings/findings.h"
 
 namespace npdr::pipeline {
@@ -18,6 +20,22 @@ std::string posterior_of(const ReportData& data, const std::string& method) {
 }
 
 }  // namespace
+
+std::string pooling_text(const Study& study) {
+  std::vector<std::string> names;
+  for (const MethodConfig& method : study.methods) {
+    if (method.algorithm.kind == inference::Algorithm::npe_nle) names.push_back(method.name);
+  }
+  if (names.empty()) return "";
+  return fmt::format(
+      "{} combine{} two kinds of neural networks that learn from the same simulations: one says "
+      "which parameters explain the observation (neural posterior estimation, NPE), the other to "
+      "which observation parameters lead (neural likelihood estimation, NLE). Each counts as much "
+      "as it has proved to predict simulations that neither had seen: its power in the table of "
+      "experiments. Where the powers add up to more than 1, both together are narrower than each, "
+      "which such simulations bore out.",
+      join(names, names.size() == 2 ? " and " : ", "), names.size() == 1 ? "s" : "");
+}
 
 std::string next_steps(const ReportData& data) {
   std::map<std::string, CheckSummary> checks;
