@@ -54,15 +54,10 @@ void require_short_texts(const std::string& where, const Target& target) {
 }
 
 std::vector<Channel> read_channels(const h5::Dataset& dataset) {
-  const Index count = dataset.shape()[2];
-  const std::vector<std::string> labels = column_labels(dataset, count);
-  const std::vector<std::string> units = column_units(dataset, labels.size());
-  if (std::ssize(labels) != count || std::ssize(units) != count) {
-    throw InputError(dataset.where() +
-                     " must have the attributes 'labels' and 'units', one text per channel");
+  for (const char* name : {"labels", "units"}) {
+    (void)dataset.attribute<std::vector<std::string>>(name);  // must be there
   }
-  std::vector<Channel> channels;
-  for (std::size_t c = 0; c < labels.size(); ++c) channels.push_back({labels[c], units[c]});
+  const std::vector<Channel> channels = column_channels(dataset, dataset.shape()[2]);
   require_short(dataset.where(), channels);
   return channels;
 }
