@@ -75,10 +75,4 @@ void Checker::require_file(const std::string& path, const std::string& file,
   }
 }
 
-std::vector<std::string> labels_of(const std::vector<Channel>& channels) {
-  std::vector<std::string> labels;
-  for (const Channel& channel : channels) labels.push_back(channel.label);
-  return labels;
-}
-
 }  // namespace npdr::pipeline

@@ -97,9 +97,6 @@ class Checker {
   }
 };
 
-/// Labels of channels.
-std::vector<std::string> labels_of(const std::vector<Channel>& channels);
-
 /// Rules of parts, and between them and the simulator.
 void check_source(const Study& study, const sim::SimulatorInfo* info, Reading& reading);
 void check_noise(const Study& study, const sim::SimulatorInfo* info, Reading& reading);

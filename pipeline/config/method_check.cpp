@@ -2,6 +2,7 @@
 
 #include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -1,4 +1,5 @@
 #include "pipeline/config/checker.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "pipeline/config/checker.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {

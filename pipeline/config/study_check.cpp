@@ -11,6 +11,7 @@
 #include "pipeline/config/field_constraints.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {

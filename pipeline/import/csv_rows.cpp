@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pipeline/store/column_labels.h"
 #include "pipeline/store/number_table.h"
 
 namespace npdr::pipeline {
@@ -34,12 +35,6 @@ struct Columns {
   std::vector<Column> states, actions;
   std::optional<Column> time;
 };
-
-std::vector<std::string> labels_of(const std::vector<Channel>& channels) {
-  std::vector<std::string> labels;
-  for (const Channel& channel : channels) labels.push_back(channel.label);
-  return labels;
-}
 
 // Finds the columns of one file.
 class ColumnFinder {
