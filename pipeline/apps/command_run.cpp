@@ -10,6 +10,7 @@
 
 #include "core/parallel.h"
 #include "core/shell_text.h"
+#include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/plan/completeness.h"
@@ -66,10 +67,13 @@ void warn_of_another_run(const Plan& plan, const std::vector<const Node*>& missi
 
 // What --only and --seeds left out, the report lacks.
 void print_selection(StudyArguments study) {
-  if (study.methods.empty() && study.seeds.empty()) return;
+  std::vector<std::string> options;
+  if (!study.methods.empty()) options.emplace_back("--only");
+  if (!study.seeds.empty()) options.emplace_back("--seeds");
+  if (options.empty()) return;
   study.methods.clear();
   study.seeds.clear();
-  print_line("report and tables hold what --only and --seeds chose; all again: npdr run {}",
+  print_line("report and tables hold what {} chose; all again: npdr run {}", join(options, " and "),
              shell_text(study.words()));
 }
 

@@ -66,7 +66,7 @@ std::string cause_of(const CLI::App& command, const CLI::Error& error) {
   }
   for (const std::string& word : command.remaining()) {
     const std::string name = word.substr(0, word.find('='));
-    if (name.starts_with("--")) return unknown_name("option", name, options);
+    if (name.starts_with('-')) return unknown_name("option", name, options);
     if (!commands.empty()) return unknown_name("command", word, commands);
   }
   return error.what();

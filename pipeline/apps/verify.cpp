@@ -195,6 +195,17 @@ void check_shape(const std::filesystem::path& path, const Study& study, const St
   if (!fits) throw InputError(path.string() + ": its rows aren't those of its study");
 }
 
+// Does what documents of the file say: who can't learns from which file that comes.
+template <class Follow>
+auto followed(const std::filesystem::path& path, const Follow& follow) {
+  try {
+    return follow();
+  } catch (const InputError& error) {
+    throw InputError(path.string() +
+                     ": what its key document and study say can't be done: " + error.what());
+  }
+}
+
 // Each row in a call of its own.
 Verification verify_simulation(const std::filesystem::path& path, const ArtefactInfo& info,
                                const VerifyOptions& options) {
@@ -215,14 +226,15 @@ Verification verify_simulation(const std::filesystem::path& path, const Artefact
     first.round = static_cast<std::uint64_t>(count_of(proposed.file.path, document, "round"));
     first.row = static_cast<std::uint64_t>(proposed.begin);
   }
-  const auto source = make_source(study);
-  const auto simulator = source->open({.simulator = study.simulator, .target = target});
+  const auto source = followed(path, [&] { return make_source(study); });
+  const auto simulator = followed(
+      path, [&] { return source->open({.simulator = study.simulator, .target = target}); });
   return look_at_rows(rows.values.num_rows(), options, [&](Index row) {
     StreamId id = first;
     id.row += static_cast<std::uint64_t>(row);
     const RowMatrix theta = row_of<double>(rows.theta, row);
-    const sim::Trajectories again =
-        simulator->simulate(source->parameters().complete(theta.row(0)), id);
+    const sim::Trajectories again = followed(
+        path, [&] { return simulator->simulate(source->parameters().complete(theta.row(0)), id); });
     return same(again.values, row_of<float>(rows.values, row)) &&
            as_bytes(again.status).front() == row_of<std::uint8_t>(rows.status, row)(0) &&
            theta == proposed.theta(row);
@@ -238,7 +250,8 @@ Verification verify_proposal(const std::filesystem::path& path, const ArtefactIn
     throw InputError(path.string() +
                      ": its rows come from a posterior; only those of the prior can be recomputed");
   }
-  const inference::Prior prior(prior_from_json(document.at("prior"), path.string()));
+  const auto marginals = prior_from_json(document.at("prior"), path.string());
+  const inference::Prior prior = followed(path, [&] { return inference::Prior(marginals); });
   const h5::Dataset theta = file.dataset("theta");
   theta.require_shape({-1, prior.dimension()});
   const Use use{"", info.identity.seed, count_of(path, document, "round", 1),
@@ -294,12 +307,6 @@ Verification verify(const std::filesystem::path& given, const VerifyOptions& opt
   const ArtefactInfo info = read_artefact_info(path);
   try {
     return verify_rows(path, info, options);
-  } catch (const InputError& error) {
-    // Who can't do what documents of the file say, learns from which file that comes.
-    const std::string message = error.what();
-    if (message.starts_with(path.string())) throw;
-    throw InputError(path.string() +
-                     ": what its key document and study say can't be done: " + message);
   } catch (const nlohmann::json::exception& error) {
     const std::string message = error.what();
     throw InputError(path.string() + ": its key document or study isn't what stage '" +

@@ -52,7 +52,9 @@ std::filesystem::path jobs_folder(const Plan& plan) {
 
 SubmissionLock::SubmissionLock(const Plan& plan)
     : file_(lock_of(plan), O_RDWR | O_CREAT | O_NOFOLLOW) {
-  if (!file_.is_open()) throw_file_error(lock_of(plan), "be written", errno);
+  const int error = errno;
+  const std::filesystem::path path = lock_of(plan);
+  if (!file_.is_open()) throw_file_error(path, "be written", error);
   constexpr int patience = 600;
   constexpr useconds_t pause = 100'000;  // [us]
   for (int i = 0; i < patience; ++i) {
@@ -60,7 +62,7 @@ SubmissionLock::SubmissionLock(const Plan& plan)
     if (errno != EWOULDBLOCK && errno != EINTR) return;  // there are no locks here
     usleep(pause);
   }
-  throw Error(lock_of(plan).string() + ": somebody else submits this study; try again later");
+  throw Error(path.string() + ": somebody else submits this study; try again later");
 }
 
 // One write, as a rule: lines of two programs don't mix.

@@ -52,7 +52,8 @@ Answer ask(const std::vector<std::string>& words) {
                              std::filesystem::current_path(),
                              {},
                              kPatience});
-  answer.text = read_text_file(output);
+  // It isn't there where no shell could be started, which the result tells.
+  if (std::filesystem::exists(output)) answer.text = read_text_file(output);
   return answer;
 }
 

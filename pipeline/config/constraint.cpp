@@ -41,10 +41,10 @@ Constraint<double> between(const Range& range) {
 
 Constraint<double> between(double low, double high) { return between(Range{low, high}); }
 
-Constraint<double> interval(const std::string& above, double low, const std::string& below,
-                            double high) {
-  const bool has_low = above == ">=", has_high = below == "<=";
-  return {fmt::format("{} {} and {} {}", above, low, below, high), [=](double v) {
+Constraint<double> interval(End lower, double low, double high, End upper) {
+  const bool has_low = lower == End::closed, has_high = upper == End::closed;
+  return {fmt::format("{} {} and {} {}", has_low ? ">=" : ">", low, has_high ? "<=" : "<", high),
+          [=](double v) {
             return (has_low ? v >= low : v > low) && (has_high ? v <= high : v < high);
           }};
 }

@@ -33,9 +33,8 @@ Constraint<T> anything() {
 Constraint<double> positive();
 Constraint<double> between(const Range& range);
 Constraint<double> between(double low, double high);
-/// `above` is ">" or ">=", `below` "<" or "<=".
-Constraint<double> interval(const std::string& above, double low, const std::string& below,
-                            double high);
+enum class End { open, closed };  ///< of an interval: whether it belongs to it
+Constraint<double> interval(End lower, double low, double high, End upper);
 /// A number of things: low to 10^9, far beyond what a study can compute and far from an overflow.
 Constraint<double> count_from(double low);
 /// A number >= 0.

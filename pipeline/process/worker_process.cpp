@@ -21,6 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kLongestHeader = 1 << 20;
 constexpr int kPollMilliseconds = 100;  // between two looks at requests to stop
+constexpr double kLastSeconds = 1.0;    // for a program to end that has closed its output
 
 // One request, and what has come of its reply.
 class Exchange {
@@ -40,16 +41,20 @@ class Exchange {
 
   WorkerReply run(double time_limit) {
     const auto start = Clock::now();
+    double open_until = 0.0;
     while (!is_complete() && !has_failed()) {
       stop_here_if_requested();
       const bool is_quiet = !go_on();
       reply_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
       if (is_complete()) break;
+      if (!is_closed_) open_until = reply_.seconds;
       if (reply_.seconds >= time_limit) {
         reply_.timed_out = true;
         reply_.problem = fmt::format("no reply within its time limit of {:.3g} s", time_limit);
       } else if ((is_closed_ || is_quiet) && shell_.has_ended()) {
         take_end(time_limit);  // its children may hold the pipe open
+      } else if (reply_.seconds >= open_until + kLastSeconds) {
+        reject("it was closed");
       }
     }
     shell_.read_output();

@@ -36,24 +36,25 @@ std::uintmax_t size_of_tree(const fs::path& path) {
   return bytes;
 }
 
-// What the readable link points to, there or not; of the report, which has no link, itself.
-std::optional<fs::path> linked_artefact(const Plan& plan, const Node& node) {
-  std::error_code error;
-  if (node.stage == Stage::report) {
-    return fs::exists(node.path, error) ? std::optional(node.path) : std::nullopt;
-  }
-  const fs::path link = link_of(plan, node, node.uses.front());
-  const fs::path found = fs::read_symlink(link, error);
-  if (error) return std::nullopt;
-  return (link.parent_path() / found).lexically_normal();
+// Of the report, which has no link, itself.
+fs::path readable_link(const Plan& plan, const Node& node) {
+  return node.stage == Stage::report ? node.path : link_of(plan, node, node.uses.front());
 }
 
-// The same of another artefact than the plan's, which is there.
+// What the readable link leads to where that is there, and another artefact than the plan's.
 std::optional<fs::path> earlier_artefact(const Plan& plan, const Node& node) {
-  std::optional<fs::path> linked = linked_artefact(plan, node);
   std::error_code error;
-  if (!linked || linked->stem() == node.key || !fs::exists(*linked, error)) return std::nullopt;
-  return linked;
+  const fs::path found = fs::canonical(readable_link(plan, node), error);
+  if (error || found.stem() == node.key) return std::nullopt;
+  return found;
+}
+
+// What the readable link led to, where somebody has removed that.
+std::optional<fs::path> removed_artefact(const Plan& plan, const Node& node) {
+  const fs::path link = readable_link(plan, node);
+  std::error_code error;
+  if (!fs::is_symlink(link, error) || fs::exists(link, error)) return std::nullopt;
+  return (link.parent_path() / fs::read_symlink(link, error)).lexically_normal();
 }
 
 // How a checkpoint says how far the work has come.
@@ -265,12 +266,10 @@ std::vector<std::string> reasons(const Plan& plan, const Node& node) {
     const ArtefactStatus status = status_of(plan, node);
     return {status.state == ArtefactState::up_to_date ? "it is up to date" : status.detail};
   }
-  const std::optional<fs::path> linked = linked_artefact(plan, node);
-  std::error_code error;
-  if (linked && !fs::exists(*linked, error)) {
-    const bool is_its = linked->stem() == node.key;
+  if (const auto removed = removed_artefact(plan, node)) {
+    const bool is_its = removed->stem() == node.key;
     return {fmt::format("{} was removed: {}", is_its ? "its file" : "an earlier version's file",
-                        linked->string())};
+                        removed->string())};
   }
   const ArtefactStatus status = status_of(plan, node);
   if (status.state == ArtefactState::partial && !status.earlier) {

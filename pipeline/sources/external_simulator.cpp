@@ -225,6 +225,7 @@ void ExternalSimulator::keep_as_good(const Work& work, Index row) {
 
 void ExternalSimulator::give_up(Work& work, Index row, RolloutStatus status) {
   sim::lose_row(row, status, work.result);
+  work.named.erase(row);
   ++work.num_lost;
   loss_ = last_failure_;
   count_lost(1);

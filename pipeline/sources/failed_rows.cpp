@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <optional>
 #include <string_view>
@@ -14,7 +16,9 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr std::size_t kMostOfARow = 1000;  // more than anybody reads
+// More than anybody reads, of a call and of a row.
+constexpr std::uintmax_t kMostBytes = 1 << 24;
+constexpr std::size_t kMostOfARow = 1000;
 
 [[noreturn]] void fail(const std::string& why) { throw InputError("NPDR_FAILED " + why); }
 
@@ -26,8 +30,13 @@ std::map<Index, std::string> read_failed_rows(const std::filesystem::path& path,
   const auto type = std::filesystem::symlink_status(path, error).type();
   if (type == std::filesystem::file_type::not_found) return rows;
   if (type != std::filesystem::file_type::regular) fail("must be a file");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (!error && size > kMostBytes) {
+    fail(fmt::format("has {} bytes, must have {} or less: a line for each row that failed", size,
+                     kMostBytes));
+  }
   std::ifstream stream(path, std::ios::binary);
-  if (!stream) fail("can't be read");
+  if (!stream) fail(fmt::format("can't be read: {}", std::strerror(errno)));
   Index number = 0;
   for (std::string line; std::getline(stream, line);) {
     ++number;

@@ -20,6 +20,16 @@ bool begins_late(const sim::Trajectories& x, Index row, const Target& recorded) 
   return true;
 }
 
+// Of rows that are the same, those with different theta.
+Index count_theta(const RowMatrix& theta, const std::vector<Index>& rows) {
+  std::vector<Index> different;
+  for (const Index row : rows) {
+    const auto is_same = [&](Index other) { return theta.row(row) == theta.row(other); };
+    if (std::ranges::none_of(different, is_same)) different.push_back(row);
+  }
+  return std::ssize(different);
+}
+
 // Finite rows, in groups of the same x.
 std::vector<std::vector<Index>> groups_of(const RowMatrixF& x) {
   std::vector<std::vector<Index>> groups;
@@ -98,7 +108,8 @@ Findings find_same_rows(const RowMatrix& theta, const RowMatrixF& x) {
   if (groups.empty()) return {};
   if (groups.size() == 1 && std::ssize(groups.front()) >= fewest_of_all) {
     return {warning(
-        fmt::format("all of the first {} rows are the same, whatever their parameters", x.rows()))};
+        fmt::format("all {} finite rows of the first {} are the same, whatever their parameters",
+                    groups.front().size(), x.rows()))};
   }
   const auto is_count = [](float value) { return !(std::abs(value - std::round(value)) > 0.0f); };
   if (x.cols() == 1 || std::ranges::all_of(x.reshaped(), is_count)) return {};
@@ -109,9 +120,7 @@ Findings find_same_rows(const RowMatrix& theta, const RowMatrixF& x) {
     others += &rows == &largest ? 0 : std::ssize(rows);
     unique += rows.size() == 1 ? 1 : 0;
   }
-  const Index most = 1 + std::ranges::count_if(largest, [&](Index row) {
-                       return theta.row(row) != theta.row(largest.front());
-                     });
+  const Index most = count_theta(theta, largest);
   if (most < fewest_alike || others < fewest_alike ||
       static_cast<double>(unique) < usual_share * static_cast<double>(others)) {
     return {};

@@ -14,16 +14,9 @@
 namespace npdr::pipeline {
 namespace {
 
-// One text a column; none where there is no such attribute. Names and units go on to terminals,
-// tables and keys.
-std::vector<std::string> column_texts(const h5::Dataset& dataset, const char* attribute,
-                                      Index num_columns) {
-  if (!dataset.has_attribute(attribute)) return {};
+// Names and units go on to terminals, tables and keys.
+std::vector<std::string> column_texts(const h5::Dataset& dataset, const char* attribute) {
   auto texts = dataset.attribute<std::vector<std::string>>(attribute);
-  if (std::ssize(texts) != num_columns) {
-    throw InputError(fmt::format("{} has {} columns, but {} {}", dataset.where(), num_columns,
-                                 texts.size(), attribute));
-  }
   std::ranges::transform(texts, texts.begin(), printable_line);
   return texts;
 }
@@ -44,17 +37,32 @@ void require_distinct(const h5::Dataset& dataset, const std::vector<std::string>
 }  // namespace
 
 std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_columns) {
-  const std::vector<std::string> labels = column_texts(dataset, "labels", num_columns);
+  if (!dataset.has_attribute("labels")) return {};
+  const std::vector<std::string> labels = column_texts(dataset, "labels");
+  if (std::ssize(labels) != num_columns) {
+    throw InputError(fmt::format("{} has {} columns, but {} labels", dataset.where(), num_columns,
+                                 labels.size()));
+  }
   require_distinct(dataset, labels);
   return labels;
 }
 
 std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns) {
-  std::vector<Channel> channels = parse_features(column_labels(dataset, num_columns));
-  require_distinct(dataset, labels_of(channels));  // without their units
-  const std::vector<std::string> units = column_texts(dataset, "units", num_columns);
-  for (std::size_t c = 0; c < std::min(units.size(), channels.size()); ++c) {
-    channels[c].unit = units[c];
+  const std::vector<std::string> labels = column_labels(dataset, num_columns);
+  if (!dataset.has_attribute("units")) {
+    std::vector<Channel> channels = parse_features(labels);
+    require_distinct(dataset, labels_of(channels));  // without their units
+    return channels;
+  }
+  const std::vector<std::string> units = column_texts(dataset, "units");
+  if (units.size() != labels.size()) {
+    throw InputError(fmt::format("{} has {} labels, but {} units", dataset.where(), labels.size(),
+                                 units.size()));
+  }
+  std::vector<Channel> channels;
+  for (std::size_t c = 0; c < labels.size(); ++c) {
+    const Channel parsed = parse_feature(labels[c]);
+    channels.push_back({parsed.unit == units[c] ? parsed.label : labels[c], units[c]});
   }
   return channels;
 }

@@ -76,9 +76,14 @@ void add_dataset(Hasher& hasher, const h5::Dataset& dataset) {
 }
 
 // A file whose groups hold each other would never end.
-constexpr int kMaxGroups = 1000;
+constexpr int kMaxDepth = 32;
+constexpr int kMaxGroups = 10'000;
 
-void add_group(Hasher& hasher, const h5::Group& group, int& num_groups) {
+void add_group(Hasher& hasher, const h5::Group& group, int& num_groups, int depth = 0) {
+  if (depth > kMaxDepth) {
+    throw InputError(fmt::format("{}: groups are nested {} deep, must be <= {}", group.where(),
+                                 depth, kMaxDepth));
+  }
   if (++num_groups > kMaxGroups) {
     throw InputError(fmt::format("{}: more than {} groups", group.where(), kMaxGroups));
   }
@@ -88,7 +93,7 @@ void add_group(Hasher& hasher, const h5::Group& group, int& num_groups) {
       const h5::Group member = group.group(name);
       if (is_volatile(member)) continue;
       hasher.add("group " + name);
-      add_group(hasher, member, num_groups);
+      add_group(hasher, member, num_groups, depth + 1);
     } else {
       const h5::Dataset member = group.dataset(name);
       if (is_volatile(member)) continue;

@@ -19,6 +19,8 @@
 namespace npdr::pipeline {
 namespace {
 
+constexpr std::size_t kLongestLine = std::size_t{64} << 20;
+
 std::optional<double> parse_number(const std::string& field) {
   if (field == "NA") return kNaN;
   const char* const begin = field.data() + (field.starts_with('+') ? 1 : 0);
@@ -135,14 +137,22 @@ bool NumberTable::next_line() {
   return false;
 }
 
-bool NumberTable::read_line() {
-  if (!std::getline(stream_, line_)) {
-    if (stream_.bad()) throw InputError(name_ + ": reading failed");
-    return false;
+// Unlike std::getline(), with a limit: a file of one endless line fits into no memory.
+bool NumberTable::read_line() try {
+  constexpr int end = std::char_traits<char>::eof();
+  std::streambuf& characters = *stream_.rdbuf();
+  line_.clear();
+  int c = characters.sbumpc();
+  if (c == end) return false;
+  for (; c != '\n' && c != end; c = characters.sbumpc()) {
+    if (line_.size() == kLongestLine) fail("is followed by one of more than 64 MiB");
+    line_.push_back(static_cast<char>(c));
   }
-  has_line_end_ = !stream_.eof();
+  has_line_end_ = c == '\n';
   if (line_.ends_with('\r')) line_.pop_back();
   return true;
+} catch (const std::ios_base::failure&) {
+  throw InputError(name_ + ": reading failed");
 }
 
 // Names and units go on to terminals, tables and keys.

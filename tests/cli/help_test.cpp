@@ -47,6 +47,7 @@ TEST_F(Help, WhatCantBeReadIsNamedAndLeadsToHelp) {
   fails({"run"}, "npdr run: STUDY is required; options and examples: npdr help run");
   EXPECT_TRUE(says(npdr({"run", "study.toml", "--sed", "1"}).err,
                    {"npdr run: unknown option '--sed' (did you mean '--set'?)", "npdr help run"}));
+  EXPECT_TRUE(says(npdr({"-v"}).err, {"npdr: unknown option '-v'"}));
 }
 
 // What bash would offer for the words of a line.

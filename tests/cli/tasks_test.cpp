@@ -45,6 +45,7 @@ TEST_F(Tasks, SimulationsMayHaveDifferentNumbersOfShards) {
   // shard.
   with_status(0, simulate("1", {"--only", "NPDR (MoG)"}));
   with_status(0, simulate("1", {"--shard", "3"}));
+  with_status(0, simulate("1", {"--only", "NPDR (MoG)", "--shard", "9"}));
   std::filesystem::remove_all(folder_ / "runs/.cache/simulate");
   for (const char* shards : {"0-2", "3-5"}) with_status(0, simulate("1", {"--shard", shards}));
   EXPECT_FALSE(has(npdr(joined({"status"}, settings)).out, "shards")) << "all are there";

@@ -52,21 +52,27 @@ std::vector<Index> its_shards(const Plan& plan, const Node& node, const std::vec
   return numbers;
 }
 
-// Artefacts of the program's stages in their order, of which simulations have one of the shards.
+// Artefacts of the program's stages in their order, of which simulations have one of the shards or
+// are complete. Throws InputError where none has one, and some aren't complete.
 std::vector<const Node*> asked_nodes(const Plan& plan, const std::string& program,
                                      std::optional<Index> round, const std::vector<Index>& shards) {
   std::vector<const Node*> nodes;
   const Node* smaller = nullptr;
+  bool any_has_shards = false;
   for (const StageTraits& stage : enum_table(Stage{})) {
     if (stage.program != program) continue;
     for (const Node& node : plan.nodes) {
       if (node.stage != stage.value || !uses_round(node, round)) continue;
       const bool has_shards = shards.empty() || !its_shards(plan, node, shards).empty();
-      if (has_shards) nodes.push_back(&node);
-      if (!has_shards && smaller == nullptr) smaller = &node;
+      any_has_shards = any_has_shards || has_shards;
+      if (has_shards || is_complete(plan, node)) {
+        nodes.push_back(&node);
+      } else if (smaller == nullptr) {
+        smaller = &node;
+      }
     }
   }
-  if (nodes.empty() && smaller != nullptr) require_shard(plan, *smaller, shards.front());
+  if (!any_has_shards && smaller != nullptr) require_shard(plan, *smaller, shards.front());
   return nodes;
 }
 

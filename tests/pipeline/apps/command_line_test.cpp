@@ -46,6 +46,19 @@ TEST(CommandLine, EveryErrorHasItsExitStatus) {
   EXPECT_EQ(guarded_main("test", [] { return ExitStatus::done; }), 0);
 }
 
+TEST(List, HasALineForEachName) {
+  for (const std::string name :
+       {"methods", "embeddings", "estimators", "priors", "integrators", "metrics", "checks"}) {
+    CLI::App app;
+    int result = 0;
+    add_command(app, {"list", "", &list_command}, result);
+    testing::internal::CaptureStdout();
+    app.parse("list " + name);
+    EXPECT_NE(testing::internal::GetCapturedStdout(), "");
+    EXPECT_EQ(result, 0) << name;
+  }
+}
+
 // An artefact with a group 'g' and a dataset 'x', which `change` may spoil.
 template <class Change>
 std::string inspected(const Change& change) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <functional>
 
 #include "core/error.h"
@@ -162,6 +163,17 @@ TEST_F(VerifyDocuments, OfSimulationsAndProposalsAreCheckedAsTheyAreUsed) {
     file.write("status", VectorX<std::uint8_t>(VectorX<std::uint8_t>::Zero(20)));
   });
   change_each(plan.node(Stage::propose, {"A", 1, 1}), write_theta);
+}
+
+TEST_F(VerifyDocuments, AreNotToBlameForATargetThatIsDamaged) {
+  const Plan plan = twenty_simulations();
+  const Node& simulation = plan.node(Stage::simulate, {"A", 1, 1});
+  make(plan, simulation);
+  const auto target = std::ranges::find(plan.nodes, Stage::target, &Node::stage);
+  std::filesystem::resize_file(target->path, std::filesystem::file_size(target->path) - 1);
+  const std::string message = message_of<Error>([&] { verify(simulation.path, {}); });
+  EXPECT_TRUE(has(message, target->key + ".h5")) << message;
+  EXPECT_FALSE(has(message, "can't be done")) << message;
 }
 
 // What a document leads to may be gone, though the document is as its stage has written it.

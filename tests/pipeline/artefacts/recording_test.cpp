@@ -145,6 +145,14 @@ TEST(Recording, MayHaveNoActionsNoNamesAndNoSource) {
   expect_equal(read_recording(folder / "b.h5"), read);
 }
 
+TEST(Recording, KeepsLabelsThatEndInBrackets) {
+  const TempFolder folder;
+  Target target{0.1, {{"q [0]", "rad"}, {"q [1]", "rad"}}, {}, {}, ""};
+  target.rollouts = {{"0", RowMatrix::Zero(4, 2), RowMatrix(3, 0)}};
+  write_recording(target, folder / "a.h5");
+  expect_equal(read_recording(folder / "a.h5"), target);
+}
+
 TEST_F(EditedRecording, NamesMissingPartsAndWrongTimeSteps) {
   EXPECT_TRUE(says(reading([](hid_t file) { H5Ldelete(file, "states", H5P_DEFAULT); }),
                    {"a.h5: has no dataset 'states'", "it has actions, rollout"}));

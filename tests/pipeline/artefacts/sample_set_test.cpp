@@ -94,6 +94,10 @@ TEST_F(SampleSets, OfOtherParametersAreRejected) {
 TEST_F(SampleSets, ThatAreBrokenAreRejected) {
   EXPECT_TRUE(says(problem([&] { written("a.h5", {"mass"}, {"kg"}); }),
                    {"a.h5: dataset 'theta' has 2 columns", "1 labels"}));
+  EXPECT_TRUE(says(problem([&] {
+                     written("a.h5", {}, {"kg", "m"});
+                   }),
+                   {"a.h5: dataset 'theta' has 0 labels, but 2 units"}));
   const auto nan = written_h5(folder_ / "nan.h5", [](h5::File& file) {
     file.write("theta", RowMatrix(RowMatrix::Constant(4, 2, std::nan(""))));
   });

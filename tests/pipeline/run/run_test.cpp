@@ -141,6 +141,27 @@ TEST(ArtefactStatus, SaysHowFarARefinementHasCome) {
   EXPECT_EQ(reasons(plan, node), std::vector<std::string>{"it was never made"});
 }
 
+TEST(ArtefactStatus, IsStaleWhereTheStudysFolderIsALink) {
+  namespace fs = std::filesystem;
+  const TempFolder folder, other;
+  const std::string study = pendulum_study("moved").method("NPE");
+  const Plan plan = make_plan(parse_study(study, "s.toml"), WorkFolder(folder.path()));
+  const Node& node = plan.node(Stage::infer, {"NPE", 1, 1});
+  const fs::path earlier = node.path.parent_path() / "earlier.h5";
+  fs::create_directories(earlier.parent_path());
+  std::ofstream(earlier) << "x";
+  fs::create_directories(other / "on/another/disk");
+  fs::create_directory_symlink(other / "on/another/disk", plan.work.study("moved"));
+  const fs::path link = link_of(plan, node, node.uses.front());
+  fs::create_directories(link.parent_path());
+  fs::create_symlink(fs::relative(earlier, link.parent_path()), link);
+  EXPECT_EQ(status_of(plan, node).state, ArtefactState::stale);
+  EXPECT_EQ(status_of(plan, node).earlier, fs::canonical(earlier));
+  fs::remove(earlier);
+  EXPECT_EQ(status_of(plan, node).state, ArtefactState::missing);
+  EXPECT_TRUE(says(reasons(plan, node).front(), {"an earlier version's file was removed: "}));
+}
+
 TEST(ArtefactStatus, OfAJobThatFailedNamesItsLog) {
   const TempFolder folder;
   const std::string study = pendulum_study("failed").method("NPE");

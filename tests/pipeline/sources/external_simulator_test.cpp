@@ -122,6 +122,18 @@ TEST_F(ExternalSimulators, OnlyTheCulpritsOfACrashAreLost) {
   expect_others_as_ever(x);
 }
 
+// Row 0 crashes, but for the third call, the first of it alone, which names it.
+TEST_F(ExternalSimulators, ARowThatIsGivenUpIsNotAskedForAgain) {
+  study_.external.retries = 1;
+  ExternalSimulator simulator =
+      program("BAD=0 WHAT=$(test $(wc -l < calls) = 2 && echo named || echo crash) sh sim.sh", 4);
+  RowMatrix theta(6, 2);
+  for (Index i = 0; i < 6; ++i) theta.row(i) << static_cast<double>(i), 0.5;
+  const sim::Trajectories x = simulator.simulate(theta, {7, "test", 1, 0, 0});
+  EXPECT_EQ(failed_rows(x, RolloutStatus::crashed), (std::vector<Index>{0}));
+  EXPECT_EQ(num_calls(), 9) << "of 6, 6, 1, 1, 3, 1, 1, 2 and 3 rows";
+}
+
 TEST_F(ExternalSimulators, OnlyTheCulpritsOfABadFileAreLost) {
   const sim::Trajectories text = run(16, "5", "text");
   EXPECT_EQ(failed_rows(text, RolloutStatus::bad_output), (std::vector<Index>{5}));

@@ -82,9 +82,10 @@ TEST(RepeatedRows, AreCounted) {
 }
 
 TEST(RepeatedRows, AreToldWhereAllAre) {
-  const RowMatrixF x = RowMatrixF::Constant(64, 1, 7.0f);
-  EXPECT_NE(words_of(find_same_rows(theta(64), x)).find("all of the first 64 rows"),
-            std::string::npos);
+  RowMatrixF x = RowMatrixF::Constant(64, 1, 7.0f);
+  EXPECT_TRUE(has(words_of(find_same_rows(theta(64), x)), "all 64 finite rows of the first 64"));
+  x(9, 0) = kFloatNaN;
+  EXPECT_TRUE(has(words_of(find_same_rows(theta(64), x)), "all 63 finite rows of the first 64"));
   EXPECT_EQ(words_of(find_same_rows(theta(7), x.topRows(7))), "") << "too few to tell";
 }
 
@@ -92,6 +93,8 @@ TEST(RepeatedRows, AreNoneOfTheSameParameters) {
   RowMatrix same = theta(64);
   for (Index i = 0; i < 3; ++i) same(5 + 7 * i, 0) = 0.0;
   EXPECT_EQ(words_of(find_same_rows(same, with_zeros(3))), "");
+  same(5, 0) = 1.0;
+  EXPECT_EQ(words_of(find_same_rows(same, with_zeros(3))), "") << "two designs, one of them twice";
 }
 
 TEST(RepeatedRows, AreUsualAmongCounts) {

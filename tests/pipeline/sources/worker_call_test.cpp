@@ -49,7 +49,8 @@ while True:
                 if os.fork() == 0:
                     time.sleep(1000)
                 os._exit(3)
-            if what == "hangs": time.sleep(1000)
+            if what == "closes": os.close(1)
+            if what in ("hangs", "closes"): time.sleep(1000)
             if what == "error":
                 replies.write(b'{"npdr_worker": 1, "reply": "error", "message": "boom"}\n')
                 break
@@ -172,6 +173,12 @@ TEST_F(Workers, AChildOfAWorkerThatHasDiedIsNotWaitedFor) {
   study_.external.time_limit = 3600.0;
   study_.external.start_time = 3600.0;
   expect_only_five_is(run(6, "orphans"), RolloutStatus::crashed);
+}
+
+TEST_F(Workers, AWorkerThatHasClosedItsOutputIsNotWaitedFor) {
+  study_.external.time_limit = 3600.0;
+  study_.external.start_time = 3600.0;
+  expect_only_five_is(run(6, "closes"), RolloutStatus::bad_output);
 }
 
 TEST_F(Workers, OnlyTheCulpritOfAnErrorIsLost) {

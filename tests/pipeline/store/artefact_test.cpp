@@ -1,5 +1,6 @@
 #include "pipeline/store/artefact.h"
 
+#include <hdf5.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -181,6 +182,16 @@ TEST(ContentDigest, ReadsLargeDatasetsInBlocks) {
   EXPECT_EQ(digest({.deflate = 0, .rows_per_chunk = 7}), whole);
   values(2999, 999) += 1.0f;
   EXPECT_NE(digest({.deflate = 0}), whole);
+}
+
+TEST(ContentDigest, RefusesAGroupThatHoldsItself) {
+  const TempFolder folder;
+  const auto path = written_h5(folder / "a.h5", [](h5::File& file) {
+    file.create_group("g");
+    H5Lcreate_hard(file.id(), "/", file.id(), "g/root", H5P_DEFAULT, H5P_DEFAULT);
+  });
+  EXPECT_TRUE(has(message_of<InputError>([&] { content_digest(path); }),
+                  "groups are nested 33 deep, must be <= 32"));
 }
 
 TEST(ContentKey, DependsOnTheOrderOfListsAndNotOnThatOfMembers) {

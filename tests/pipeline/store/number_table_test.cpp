@@ -143,6 +143,13 @@ TEST_F(NumberTables, SayWhereTheyAreWrong) {
   }
 }
 
+TEST_F(NumberTables, DontReadAnEndlessLine) {
+  const auto path = folder_.file("t.csv", "a\n");
+  std::filesystem::resize_file(path, std::uintmax_t{1} << 30);
+  EXPECT_TRUE(says(problem([&] { NumberTable(path).next(); }),
+                   {"t.csv:1: is followed by one of more than 64 MiB"}));
+}
+
 TEST_F(NumberTables, SayWhetherTheLastLineEnds) {
   const auto has_line_end = [&](const std::string& text) {
     NumberTable table(folder_.file("t.csv", text));
