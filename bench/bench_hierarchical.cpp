@@ -25,7 +25,7 @@
 #include "inference/weighted_population.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/predictions/judge.h"
+#include "pipeline/predictions/prediction.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/run/run_stage.h"
 
@@ -158,12 +158,11 @@ analysis::Row row_of(const Plan& plan, const std::string& label, const RowMatrix
                 .round = plan.study.methods.front().algorithm.num_rounds};
   const Judge judge(plan, plan.node(Stage::evaluate, use));
   const RowMatrix complete = plan.source->parameters().complete(theta);
-  const sim::Trajectories seen = judge.seen().simulate(complete);
-  const NoiseOfSamples noise =
-      draw_noise(judge.seen().observation(), seen, {}, {1, "bench_hierarchical", 1, 0, 0});
-  const PredictionScores scores = *score(judge, seen, judge.simulate_held_out(complete, {}), noise,
-                                         {1, "bench_hierarchical", 2, 0, 0})
-                                       .held_out;
+  const PredictedRollouts predicted = judge.simulate(complete, {});
+  const NoiseOfSamples noise = draw_noise(judge.seen().observation(), predicted.seen, {},
+                                          {1, "bench_hierarchical", 1, 0, 0});
+  const PredictionScores scores =
+      *score(judge, predicted, noise, {1, "bench_hierarchical", 2, 0, 0}).held_out;
   const Index level = std::ranges::find(kBandLevels, 0.9) - kBandLevels.begin();
   return {
       label,

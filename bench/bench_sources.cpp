@@ -112,24 +112,28 @@ void bench_worker(const std::string& python, const std::filesystem::path& folder
   const std::string program = fmt::format("{} spring.py {} {} {}", python, substeps, steps, rows);
   const double direct = printed_seconds(program + " alone", folder);
   if (direct == 0.0) return;
-  pipeline::ExternalConfig external;
-  external.worker = program;
-  external.folder = folder;
-  sim::SimulatorInfo info;
+  pipeline::Program worker;
+  worker.external.worker = program;
+  worker.external.folder = folder;
+  sim::SimulatorInfo& info = worker.info;
   info.parameters = {{.name = "stiffness", .unit = "N/m", .description = ""},
                      {.name = "damping", .unit = "N s/m", .description = ""}};
   info.state_channels = {{"q", "m"}, {"v", "m/s"}};
   info.action_channels = {{"force", "N"}};
   const Target target = rollout(info.state_channels, info.action_channels, 0.02, steps);
-  const auto worker = pipeline::make_worker_call(external, info, {sim::cut(target, 0), 1}, 1);
+  worker.segments = sim::cut(target, 0);
+  const auto call = pipeline::make_worker_call(worker);
   RowMatrix theta(rows, 2);
   theta.col(0).setLinSpaced(rows, 10.0, 30.0);
   theta.col(1).setConstant(0.3);
   const auto row_seeds = seeds(rows);
-  sim::Trajectories result = worker->empty(rows);
+  sim::Trajectories result = sim::empty_trajectories(worker.segments, rows, 1);
   const double ours = best_seconds([&] {
-    const auto outcome = worker->call({theta, row_seeds, 0, 600.0}, result);
-    if (!outcome.succeeded) fmt::print(stderr, "{}\n{}", outcome.problem, outcome.output);
+    const pipeline::ProgramReply reply = call->call({theta, row_seeds, 0, 600.0});
+    if (!reply.succeeded()) fmt::print(stderr, "{}\n{}", reply.problem, reply.output);
+    for (Index i = 0; reply.succeeded() && i < rows; ++i) {
+      sim::store_states(worker.segments, reply.states.data() + 2 * steps * i, 1, i, result);
+    }
   });
   print_row(fmt::format("worker, numpy, {} steps of {}", steps, substeps), rows, direct, ours);
 }

@@ -9,6 +9,7 @@
 #include <iterator>
 #include <string>
 
+#include "core/error.h"
 #include "tests/message_of.h"
 
 namespace npdr {
@@ -62,5 +63,17 @@ std::string message_of(const Body& body, const TempFolder* folder) {
   }
   return message;
 }
+
+/// A test with a folder of its own.
+class FolderTest : public ::testing::Test {
+ protected:
+  /// Message of the bad input that `body` finds, without the folder's name; "" when it finds none.
+  template <class Body>
+  std::string problem(const Body& body) const {
+    return message_of<InputError>(body, &folder_);
+  }
+
+  TempFolder folder_;
+};
 
 }  // namespace npdr

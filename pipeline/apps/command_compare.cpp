@@ -59,10 +59,16 @@ Comparison compare(const CompareArguments& arguments) {
   return {std::move(first), std::move(second), c2st, mmd};
 }
 
-Channel column_name(const Comparison& c, std::size_t column) {
-  const auto& columns = c.first.columns.empty() ? c.second.columns : c.first.columns;
-  if (columns.empty()) return {fmt::format("column {}", column + 1), "1"};
-  return columns[column];
+// Calls visit(name, moments of the first, of the second).
+template <class Visit>
+void for_each_column(const Comparison& c, const Visit& visit) {
+  const auto& names = c.first.columns.empty() ? c.second.columns : c.first.columns;
+  const auto first = inference::column_moments(c.first.rows);
+  const auto second = inference::column_moments(c.second.rows);
+  for (std::size_t d = 0; d < first.size(); ++d) {
+    visit(names.empty() ? Channel{fmt::format("column {}", d + 1), "1"} : names[d], first[d],
+          second[d]);
+  }
 }
 
 void print_as_json(const Comparison& c) {
@@ -75,26 +81,22 @@ void print_as_json(const Comparison& c) {
       {"c2st", {{"accuracy", c.c2st.accuracy}, {"standard_error", c.c2st.standard_error}}},
       {"mmd",
        {{"squared", c.mmd.squared}, {"p_value", c.mmd.p_value}, {"bandwidth", c.mmd.bandwidth}}}};
-  const auto first = inference::column_moments(c.first.rows);
-  const auto second = inference::column_moments(c.second.rows);
-  for (std::size_t d = 0; d < first.size(); ++d) {
-    const Channel name = column_name(c, d);
-    const auto &a = first[d], &b = second[d];
+  for_each_column(c, [&](const Channel& name, const auto& a, const auto& b) {
     json["parameters"].push_back({{"name", name.label},
                                   {"unit", name.unit},
                                   {"first", {{"mean", a.mean}, {"std", a.deviation}}},
                                   {"second", {{"mean", b.mean}, {"std", b.deviation}}}});
-  }
+  });
   print_json(json);
 }
 
 // A classifier knows rows that it has been taught, and a posterior of weighted particles repeats
 // them.
-std::string words_of_repeats(const SampleSet& set, const char* name) {
+void warn_of_repeats(const SampleSet& set, const char* name) {
   constexpr double many = 0.02;
   const Index repeats = inference::num_repeated_rows(set.rows);
-  if (static_cast<double>(repeats) < many * static_cast<double>(set.rows.rows())) return "";
-  return fmt::format(
+  if (static_cast<double>(repeats) < many * static_cast<double>(set.rows.rows())) return;
+  fmt::print(
       "warning: {} of the {} rows picked of {} are copies of others, which C2ST takes for a "
       "difference: take fewer (-n), or draws that are all different\n",
       repeats, set.rows.rows(), name);
@@ -104,24 +106,20 @@ void print_text(const Comparison& c) {
   print_line("first   {}", c.first.where);
   print_line("second  {}", c.second.where);
   fmt::print("{} rows of each, picked at random where it has more\n", c.first.rows.rows());
-  fmt::print("{}{}\n", words_of_repeats(c.first, "the first"),
-             words_of_repeats(c.second, "the second"));
+  warn_of_repeats(c.first, "the first");
+  warn_of_repeats(c.second, "the second");
   fmt::print(
-      "C2ST   {:.4f} ± {:.4f}  (0.5: can't be told apart, 1: don't overlap; far below 0.5: "
+      "\nC2ST   {:.4f} ± {:.4f}  (0.5: can't be told apart, 1: don't overlap; far below 0.5: "
       "rows are in both)\n",
       c.c2st.accuracy, c.c2st.standard_error);
   fmt::print("MMD^2  {:.3g}, p = {:.2g}  (p: as large by chance, when both are the same)\n\n",
              c.mmd.squared, c.mmd.p_value);
   fmt::print("{:<28} {:>11} {:>11} {:>11} {:>11}\n", "", "mean first", "mean second", "std first",
              "std second");
-  const auto first = inference::column_moments(c.first.rows);
-  const auto second = inference::column_moments(c.second.rows);
-  for (std::size_t d = 0; d < first.size(); ++d) {
-    const Channel name = column_name(c, d);
-    const auto &a = first[d], &b = second[d];
+  for_each_column(c, [](const Channel& name, const auto& a, const auto& b) {
     fmt::print("{:<28} {:>11.4g} {:>11.4g} {:>11.4g} {:>11.4g}\n",
                printable_line(feature_name(name)), a.mean, b.mean, a.deviation, b.deviation);
-  }
+  });
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
 
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
@@ -20,8 +22,7 @@ namespace {
 
 struct EvidenceArguments {
   std::vector<std::string> studies;
-  std::vector<std::string> overrides;  // of every study
-  std::string work = "runs";
+  StudyArguments settings;  // of every study
   bool json = false;
 };
 
@@ -44,7 +45,7 @@ struct Model {
 
 struct Evidence {
   std::vector<Model> models;  // the largest log Z first
-  Index num_values = 0;       // of the data
+  std::optional<Data> data;   // of all of them
 };
 
 Data data_of(const Plan& plan, const Node& node) {
@@ -55,21 +56,11 @@ Data data_of(const Plan& plan, const Node& node) {
           is_cut ? simulator.segment_length : 0};
 }
 
-Model model_of(const Plan& plan, const Use& use,
-               const inference::ImportanceCertificate& certificate) {
-  return {.study = plan.study.name,
-          .method = use.method,
-          .seed = use.seed,
-          .physics = plan.study.simulator.name,
-          .noise = to_text(plan.study.observation_noise),
-          .num_parameters = std::ssize(plan.study.prior),
-          .certificate = certificate};
-}
-
-// Adds the refined posteriors that a study has; all must be of the same data, so none of a fold.
-void add_models(const Plan& plan, const std::string& file, std::optional<Data>& data,
-                Evidence& evidence) {
-  const std::size_t before = evidence.models.size();
+// Adds the refined posteriors that a study has, and warns of their methods' failed checks: the
+// evidence of a model doesn't say that it predicts what nobody has seen. All must be of the same
+// data, so none of a fold.
+void add_models(const Plan& plan, const std::string& file, Evidence& evidence) {
+  std::set<std::string> methods;
   for (const Node& node : plan.nodes) {
     if (node.stage != Stage::infer || node.uses.front().fold > 0) continue;
     if (!std::filesystem::exists(node.path)) continue;
@@ -77,48 +68,39 @@ void add_models(const Plan& plan, const std::string& file, std::optional<Data>& 
         read_part<inference::ImportanceCertificate>(open_artefact(node, kPosteriorSchema));
     if (!certificate) continue;
     Data own = data_of(plan, node);
-    if (data && !(*data == own)) {
+    if (evidence.data && !(*evidence.data == own)) {
       throw InputError(
           file + ", " + node.label() +
           ": explains other numbers than the posteriors before it, so their evidence can't be "
           "compared; recording, rollouts, store_every and segment_length must be the same");
     }
-    data = std::move(own);
+    evidence.data = std::move(own);
     for (const Use& use : node.uses) {
-      evidence.models.push_back(model_of(plan, use, *certificate));
+      methods.insert(use.method);
+      evidence.models.push_back({.study = plan.study.name,
+                                 .method = use.method,
+                                 .seed = use.seed,
+                                 .physics = plan.study.simulator.name,
+                                 .noise = to_text(plan.study.observation_noise),
+                                 .num_parameters = std::ssize(plan.study.prior),
+                                 .certificate = *certificate});
     }
   }
-  if (evidence.models.size() > before) return;
+  for (const std::string& method : methods) warn_of_failed_checks(plan, method);
+  if (!methods.empty()) return;
   throw InputError(file +
                    ": has no refined posterior yet; give it a method with algorithm = "
                    "\"refine\", then 'npdr run " +
                    file + "'; what a run was given by --set must be given here, too");
 }
 
-// The evidence of a model doesn't say that it predicts what nobody has seen.
-void warn_of_models(const Plan& plan, const Evidence& evidence) {
-  for (const MethodConfig& method : plan.study.methods) {
-    if (std::ranges::any_of(evidence.models, [&](const Model& model) {
-          return model.study == plan.study.name && model.method == method.name;
-        })) {
-      warn_of_failed_checks(plan, method.name);
-    }
-  }
-}
-
 Evidence collect(const EvidenceArguments& arguments) {
   Evidence evidence;
-  std::optional<Data> data;
   for (const std::string& file : arguments.studies) {
-    StudyArguments study;
+    StudyArguments study = arguments.settings;
     study.file = file;
-    study.overrides = arguments.overrides;
-    study.work = arguments.work;
-    const Plan plan = study.plan();
-    add_models(plan, file, data, evidence);
-    warn_of_models(plan, evidence);
+    add_models(study.plan(), file, evidence);
   }
-  evidence.num_values = std::ssize(data->stored);
   std::ranges::stable_sort(evidence.models, std::greater<>(),
                            [](const Model& m) { return m.certificate.log_evidence; });
   return evidence;
@@ -158,7 +140,7 @@ std::string label_of(const Model& model) {
 
 void print_text(const Evidence& evidence) {
   const Model* best = best_of(evidence);
-  fmt::print("log Z [nats] of the same {} recorded numbers\n\n", evidence.num_values);
+  fmt::print("log Z [nats] of the same {} recorded numbers\n\n", std::ssize(evidence.data->stored));
   std::size_t width = 19, noise = 5;
   for (const Model& model : evidence.models) {
     width = std::max(width, label_of(model).size());
@@ -196,7 +178,8 @@ void print_as_json(const Evidence& evidence) {
                     {"pareto_k", c.pareto_k},
                     {"verdict", verdict_on(model, best)}});
   }
-  const nlohmann::ordered_json json = {{"num_values", evidence.num_values}, {"models", rows}};
+  const nlohmann::ordered_json json = {{"num_values", std::ssize(evidence.data->stored)},
+                                       {"models", rows}};
   print_json(json);
 }
 
@@ -209,11 +192,7 @@ Action evidence_command(CLI::App& command) {
                   "files of studies that were run, with a method of algorithm = \"refine\"; all "
                   "of the same recording")
       ->required();
-  command
-      .add_option("--set", arguments->overrides,
-                  "key=value that replaces a key of every study, as in their runs; may be repeated")
-      ->allow_extra_args(false);
-  command.add_option("--work", arguments->work, "folder of their artefacts")->capture_default_str();
+  arguments->settings.add_settings_to(command);
   command.add_flag("--json", arguments->json, "for programs");
   command.footer("Example:\n  npdr evidence white.toml correlated.toml with_cable.toml");
   return [arguments] {

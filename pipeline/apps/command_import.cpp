@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "core/feature_names.h"
 #include "core/shell_text.h"
@@ -14,7 +15,6 @@
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
-#include "pipeline/config/study.h"
 #include "pipeline/import/csv_import.h"
 #include "pipeline/store/number_table.h"
 
@@ -27,20 +27,18 @@ struct ImportArguments {
   std::string output;
   std::string simulator;
   std::vector<std::string> states, actions;
-  std::optional<double> dt, resample;
   std::string delimiter = ",";
   bool decimal_comma = false;
-  std::vector<std::string> scales, unwrap;
+  std::vector<std::string> scales;
   std::string window, length;  // empty: none
-  bool no_rate_check = false;
-  std::string source;
+  CsvOptions options;          // those that are taken as they are
   bool force = false;
-  bool at_rest = false;
 
   bool has_recording_options() const {
-    return !files.empty() || !simulator.empty() || !states.empty() || !actions.empty() || dt ||
-           resample || !scales.empty() || !unwrap.empty() || !window.empty() || !length.empty() ||
-           no_rate_check || at_rest || !source.empty();
+    const CsvOptions& o = options;
+    return !files.empty() || !simulator.empty() || !states.empty() || !actions.empty() || o.dt ||
+           o.resample || !scales.empty() || !o.unwrap.empty() || !window.empty() ||
+           !length.empty() || !o.check_rates || o.at_rest || !o.source.empty();
   }
 };
 
@@ -88,14 +86,12 @@ std::vector<Channel> parse_channels(const std::vector<std::string>& texts) {
 
 // A recording's channels are told apart by their labels, states and actions alike.
 void require_distinct_labels(const Channels& channels) {
-  std::vector<std::string> labels;
+  std::set<std::string> labels;
   for (const auto* kind : {&channels.states, &channels.actions}) {
     for (const Channel& channel : *kind) {
-      if (std::ranges::find(labels, channel.label) != labels.end()) {
-        throw InputError("--states and --actions: '" + channel.label +
-                         "' is named twice; name each column once");
-      }
-      labels.push_back(channel.label);
+      if (labels.insert(channel.label).second) continue;
+      throw InputError("--states and --actions: '" + channel.label +
+                       "' is named twice; name each column once");
     }
   }
 }
@@ -121,28 +117,23 @@ Channels channels_of_arguments(const ImportArguments& arguments) {
 }
 
 // "theta=0.0174533".
-ColumnScale parse_scale(const std::string& text) {
-  const std::size_t sign = text.rfind('=');
-  const std::string number = sign == std::string::npos ? "" : text.substr(sign + 1);
-  double factor = 0.0;
-  const char* const end = number.data() + number.size();
-  const auto [stop, error] = std::from_chars(number.data(), end, factor);
-  const bool is_number = !number.empty() && error == std::errc() && stop == end;
-  if (!is_number || !std::isfinite(factor) || factor == 0.0 || sign == 0) {
-    throw InputError(
-        "--scale " + text +
-        ": must be COLUMN=FACTOR, such as theta=0.0174533, with a factor that isn't 0");
-  }
-  return {text.substr(0, sign), factor};
-}
-
 std::vector<ColumnScale> parse_scales(const std::vector<std::string>& texts) {
   std::vector<ColumnScale> scales;
   for (const std::string& text : texts) {
-    scales.push_back(parse_scale(text));
-    const std::string& label = scales.back().label;
-    if (std::ranges::count(scales, label, &ColumnScale::label) == 1) continue;
-    throw InputError("--scale: column '" + label + "' has two factors; give their product");
+    const std::size_t sign = std::min(text.rfind('='), text.size());
+    const char *const end = text.data() + text.size(), *const begin = text.data() + sign + 1;
+    double factor = 0.0;
+    const bool is_number = begin < end && std::from_chars(begin, end, factor).ptr == end;
+    if (!is_number || !std::isfinite(factor) || factor == 0.0 || sign == 0) {
+      throw InputError(
+          "--scale " + text +
+          ": must be COLUMN=FACTOR, such as theta=0.0174533, with a factor that isn't 0");
+    }
+    const std::string label = text.substr(0, sign);
+    if (std::ranges::count(scales, label, &ColumnScale::label) > 0) {
+      throw InputError("--scale: column '" + label + "' has two factors; give their product");
+    }
+    scales.push_back({label, factor});
   }
   return scales;
 }
@@ -171,18 +162,12 @@ Index parse_length(const std::string& text) {
 }
 
 CsvOptions csv_options(const ImportArguments& arguments) {
-  CsvOptions options;
+  CsvOptions options = arguments.options;
   options.channels = channels_of_arguments(arguments);
-  options.dt = arguments.dt;
-  options.source = arguments.source;
   options.format = parse_csv_format(arguments.delimiter, arguments.decimal_comma);
   options.scales = parse_scales(arguments.scales);
-  options.unwrap = arguments.unwrap;
-  options.resample = arguments.resample;
   if (!arguments.window.empty()) options.differentiate = parse_window(arguments.window);
   if (!arguments.length.empty()) options.length = parse_length(arguments.length);
-  options.at_rest = arguments.at_rest;
-  options.check_rates = !arguments.no_rate_check;
   return options;
 }
 
@@ -197,16 +182,8 @@ void check_dataset_arguments(const ImportArguments& arguments) {
 
 std::string words_of_failed(const DatasetCounts& counts) {
   if (counts.num_failed == 0) return "";
-  const std::string words = fmt::format("; counted as failed, not being finite: {} of x",
-                                        counted(counts.num_failed, "row"));
-  constexpr double allowed = LimitsConfig{}.max_failed_fraction;
-  const double share =
-      static_cast<double>(counts.num_failed) / static_cast<double>(counts.num_rows);
-  if (share <= allowed) return words;
-  return words + fmt::format(
-                     ", {:.2g} of all: studies stop at more than "
-                     "limits.max_failed_fraction = {}, and may raise that",
-                     share, allowed);
+  return fmt::format("; counted as failed, not being finite: {} of x",
+                     counted(counts.num_failed, "row"));
 }
 
 void import_simulations(const ImportArguments& arguments) {
@@ -246,8 +223,8 @@ void import_recording(const ImportArguments& arguments) {
 void import(ImportArguments arguments) {
   arguments.output = past_links(arguments.output);
   check_output(arguments);
-  if (!arguments.theta.empty() || !arguments.x.empty()) return import_simulations(arguments);
-  import_recording(arguments);
+  const bool is_dataset = !arguments.theta.empty() || !arguments.x.empty();
+  is_dataset ? import_simulations(arguments) : import_recording(arguments);
 }
 
 constexpr const char* kExample =
@@ -262,7 +239,7 @@ void add_format_options(CLI::App& command, ImportArguments& arguments) {
   command.add_option("--delimiter", arguments.delimiter, "between columns: ',', ';', '|' or tab")
       ->capture_default_str();
   command.add_flag("--decimal-comma", arguments.decimal_comma, "1,5 is one and a half");
-  command.add_option("--dt", arguments.dt, "[s] where there is no column 't [s]'");
+  command.add_option("--dt", arguments.options.dt, "[s] where there is no column 't [s]'");
 }
 
 // Adds the options for what is done to the numbers.
@@ -273,22 +250,23 @@ void add_correction_options(CLI::App& command, ImportArguments& arguments) {
       ->delimiter(',')
       ->allow_extra_args(false);
   command
-      .add_option("--unwrap", arguments.unwrap,
+      .add_option("--unwrap", arguments.options.unwrap,
                   "state whose jumps of a whole turn are taken out; may be repeated")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command.add_option("--resample", arguments.resample,
+  command.add_option("--resample", arguments.options.resample,
                      "[s] of an even grid, for clocks that jitter: interpolates states, holds "
                      "actions");
   command.add_flag(fmt::format("--differentiate{{{}}}", kRateWindow), arguments.window,
                    "compute states X_dot that the files lack of X; --differentiate=WINDOW: over so "
                    "many samples");
-  command.add_flag("--at-rest", arguments.at_rest,
+  command.add_flag("--at-rest", arguments.options.at_rest,
                    "the device stands still at the first states: computed rates are 0 there");
   command.add_option("--length", arguments.length,
                      "'shortest' or a number of steps to cut all rollouts into");
-  command.add_flag("--no-rate-check", arguments.no_rate_check,
-                   "accept angles that wrap, and X_dot that isn't the slope of X");
+  command.add_flag_callback(
+      "--no-rate-check", [&arguments] { arguments.options.check_rates = false; },
+      "accept angles that wrap, and X_dot that isn't the slope of X");
 }
 
 }  // namespace
@@ -312,12 +290,10 @@ Action import_command(CLI::App& command) {
   add_format_options(command, *arguments);
   add_correction_options(command, *arguments);
   command.add_flag("--force", arguments->force, "replace an HDF5 file that is there already");
-  command.add_option("--source", arguments->source, "where the recordings come from, for people");
+  command.add_option("--source", arguments->options.source,
+                     "where the recordings come from, for people");
   command.footer(kExample);
-  return [arguments] {
-    import(*arguments);
-    return ExitStatus::done;
-  };
+  return done_after([arguments] { import(*arguments); });
 }
 
 }  // namespace npdr::pipeline

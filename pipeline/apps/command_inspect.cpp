@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/finding.h"
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/dataset_file.h"
@@ -55,10 +56,6 @@ Lines lines_of_dataset(const h5::Group& group, const std::string& name,
   return {fmt::format("{}{} {}", indent, name, kAnotherType)};
 }
 
-void append(const Lines& more, Lines& lines) {
-  lines.insert(lines.end(), more.begin(), more.end());
-}
-
 // What a group holds. Groups may hold each other, and links may lead nowhere: shows no group twice,
 // and of neighbors with the same layout, such as the networks of an ensemble, the first.
 class Tree {
@@ -69,7 +66,7 @@ class Tree {
     for (const std::string& name : group.names()) {
       if (!group.has(name)) continue;
       if (!group.is_group(name)) {
-        append(lines_of_dataset(group, name, indent), lines);
+        append(lines, lines_of_dataset(group, name, indent));
         last.clear();
         continue;
       }
@@ -82,10 +79,10 @@ class Tree {
       }
       Lines its;
       add_attributes(below, indent + "    ", its);
-      append(lines_of(below, indent + "    "), its);
+      append(its, lines_of(below, indent + "    "));
       const bool is_like_last = !its.empty() && its == last;
       lines.push_back(head + (is_like_last ? " (laid out like the one before)" : ""));
-      if (!is_like_last) append(its, lines);
+      if (!is_like_last) append(lines, its);
       last = std::move(its);
     }
     return lines;
@@ -103,14 +100,23 @@ void print_tree(const h5::File& file, const std::string& indent) {
   print_lines(Tree().lines_of(file, indent));
 }
 
-// Prints in full the attributes that an artefact has beyond those of every artefact.
-void print_own_attributes(const h5::File& file) {
-  const std::vector<std::string> own = own_attributes(file);
-  if (own.empty()) return;
-  print_line("  attributes");
-  for (const std::string& name : own) {
-    print_line("    @{} = {}", name, attribute_text(file, name));
+// A dataset, a recording, or what somebody else has made.
+void print_other_file(const h5::File& file, const std::string& path) {
+  if (file.has("theta") && file.has("x")) {
+    const DatasetFile dataset(path, {});
+    print_line("{}: a dataset of {} simulations of {} features", path, dataset.num_rows(),
+               dataset.features().size());
+  } else if (file.has("states")) {
+    const Target target = read_recording(path);
+    print_line("{}: a recording of {} of {} steps of {} s", path,
+               counted(target.num_rollouts(), "rollout"), target.num_steps(), target.dt);
+    Lines attributes;
+    add_attributes(file, "  ", attributes);
+    print_lines(attributes);
+  } else {
+    print_line("{}: neither an artefact, a recording (states) nor a dataset (theta, x)", path);
   }
+  print_tree(file, "  ");
 }
 
 void print_file(const std::string& path, bool study, bool digest) {
@@ -118,28 +124,7 @@ void print_file(const std::string& path, bool study, bool digest) {
   if (study && !file.has_attribute("schema")) {
     throw InputError(path + ": isn't an artefact, so that it belongs to no study");
   }
-  if (!file.has_attribute("schema") && file.has("theta") && file.has("x")) {
-    const DatasetFile dataset(path, {});
-    print_line("{}: a dataset of {} simulations of {} features", path, dataset.num_rows(),
-               dataset.features().size());
-    print_tree(file, "  ");
-    return;
-  }
-  if (!file.has_attribute("schema") && !file.has("states")) {
-    print_line("{}: neither an artefact, a recording (states) nor a dataset (theta, x)", path);
-    print_tree(file, "  ");
-    return;
-  }
-  if (!file.has_attribute("schema")) {
-    const Target target = read_recording(path);
-    print_line("{}: a recording of {} of {} steps of {} s", path,
-               counted(target.num_rollouts(), "rollout"), target.num_steps(), target.dt);
-    Lines attributes;
-    add_attributes(file, "  ", attributes);
-    print_lines(attributes);
-    print_tree(file, "  ");
-    return;
-  }
+  if (!file.has_attribute("schema")) return print_other_file(file, path);
   const ArtefactInfo info = read_artefact_info(path);
   if (study) {
     print_json(info.identity.study);
@@ -157,7 +142,9 @@ void print_file(const std::string& path, bool study, bool digest) {
              p.git_revision, p.instruction_set, p.host, p.created, p.cost.wall_seconds);
   if (!p.batch_job.empty()) print_line("  job      {}", p.batch_job);
   if (digest) print_line("  content  {}", content_digest(path));
-  print_own_attributes(file);
+  const std::vector<std::string> own = own_attributes(file);  // beyond those of every artefact
+  if (!own.empty()) print_line("  attributes");
+  for (const std::string& name : own) print_line("    @{} = {}", name, attribute_text(file, name));
   print_line("  datasets");
   print_tree(file, "    ");
 }
@@ -178,10 +165,7 @@ Action inspect_command(CLI::App& command) {
   command.add_flag("--study", *study, "print the resolved study that it belongs to");
   command.add_flag("--digest", *digest, "hash of the content: equal digests, equal bits");
   command.footer("Example:\n  npdr inspect runs/study/target.h5");
-  return [path, study, digest] {
-    inspect(*path, *study, *digest);
-    return ExitStatus::done;
-  };
+  return done_after([path, study, digest] { inspect(*path, *study, *digest); });
 }
 
 }  // namespace npdr::pipeline

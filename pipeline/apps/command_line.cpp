@@ -1,59 +1,27 @@
 #include "pipeline/apps/command_line.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "core/error.h"
-#include "core/file_error.h"
 #include "core/printable.h"
 #include "core/shell_text.h"
 #include "core/text.h"
-#include "pipeline/apps/help_format.h"
 #include "pipeline/artefacts/feature_file.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/config/study_warnings.h"
 #include "pipeline/import/recording_warnings.h"
 #include "pipeline/plan/report_marker.h"
-#include "pipeline/process/build_info.h"
 #include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
-
-// Flushes explicitly: a write that fails only at exit would be lost without a word.
-void flush_output() {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
-  throw std::system_error(errno, std::generic_category(), "can't write to standard output");
-}
-
-// Where a launcher has closed a standard stream, a file of ours would get its number, and what is
-// printed with it. Nothing can be read from these, or written to them.
-void fill_standard_streams() {
-  int file = -1;
-  do {
-    file = open("/dev/null", O_RDONLY | O_CLOEXEC);
-  } while (file >= 0 && file <= STDERR_FILENO);
-  if (file >= 0) close(file);
-}
-
-// Signals that a launcher may have left in another way than we need them.
-void choose_signals() {
-  std::signal(SIGCHLD, SIG_DFL);  // or no child could be waited for
-  std::signal(SIGPIPE, SIG_IGN);  // who read the progress may die before the work is saved
-  std::signal(SIGXFSZ, SIG_IGN);  // the write that goes beyond 'ulimit -f' fails, and is reported
-}
 
 // Commands that only read would find every artefact missing below a file.
 void require_folder(const std::string& work) {
@@ -88,58 +56,6 @@ void add(Findings& all, Findings found, const std::string& where) {
 }
 
 }  // namespace
-
-int guarded_main(const std::string& program, const std::function<ExitStatus()>& body) {
-  try {
-    const ExitStatus status = body();
-    if (status == ExitStatus::done) flush_output();
-    return static_cast<int>(status);
-  } catch (const Error& error) {
-    report_error(program, error.what());
-    return static_cast<int>(error.status());
-  } catch (const std::filesystem::filesystem_error& error) {
-    report_error(program, file_error_text(error.path1(), "be looked at", error.code().value()));
-    return static_cast<int>(ExitStatus::failed);
-  } catch (const std::system_error& error) {
-    // `npdr ... | head`: who closes the pipe has seen enough.
-    if (error.code() != std::errc::broken_pipe) report_error(program, error.what());
-    return static_cast<int>(ExitStatus::failed);
-  } catch (const std::bad_alloc&) {
-    report_error(program, "memory is used up; ask for less at once, or give it more");
-    return static_cast<int>(ExitStatus::failed);
-  } catch (const std::exception& error) {
-    report_error(program, error.what());
-    return static_cast<int>(ExitStatus::failed);
-  }
-}
-
-void add_command(CLI::App& app, const Command& command, int& result) {
-  CLI::App* added = app.add_subcommand(command.name, command.doc);
-  const std::string program = fmt::format("npdr {}", command.name);
-  added->callback([&result, program, action = command.add_to(*added)] {
-    result = guarded_main(program, action);
-  });
-}
-
-bool parse_command_line(CLI::App& app, int argc, char** argv, int& status) {
-  fill_standard_streams();
-  choose_signals();
-  app.set_version_flag("--version", fmt::format("npdr {} ({})", creator_version(), git_revision()));
-  const auto formatter = std::make_shared<HelpFormatter>();
-  app.formatter(formatter);
-  for (CLI::App* command : app.get_subcommands({})) command->formatter(formatter);
-  app.failure_message(words_of_failure);
-  try {
-    app.parse(argc, argv);
-    return true;
-  } catch (const CLI::ParseError& error) {
-    // Help and version are no errors, but output.
-    status = guarded_main(app.get_name(), [&] {
-      return app.exit(error) != 0 ? ExitStatus::invalid_input : ExitStatus::done;
-    });
-    return false;
-  }
-}
 
 void set_choices(CLI::Option& option, const std::vector<std::string>& choices) {
   option.type_name("{" + join(choices, ",") + "}");
@@ -186,25 +102,19 @@ void StudyArguments::add_selection_to(CLI::App& app) {
 Plan StudyArguments::plan(const ClusterConfig& site) const {
   require_folder(work);
   Plan plan = make_plan(read_study(file, overrides, site), WorkFolder(work), {methods, seeds});
-  std::vector<std::string> command = {"npdr", "run"};
-  const auto study_words = words();
-  command.insert(command.end(), study_words.begin(), study_words.end());
-  plan.command = shell_text(command);
+  plan.words = words();
   return plan;
 }
 
 Plan StudyArguments::plan_here(const std::string& program) const {
   Plan plan = this->plan();
-  const std::filesystem::path there = std::filesystem::path(file).parent_path() / work;
+  const WorkFolder there((std::filesystem::path(file).parent_path() / work).string());
   std::error_code error;
-  const auto exists = [&](const WorkFolder& folder) {
-    return std::filesystem::exists(folder.study(plan.study.name), error);
-  };
-  if (!exists(plan.work) && exists(WorkFolder(there))) {
-    const std::vector<std::string> option = {"--work", there};
+  if (!std::filesystem::exists(plan.work.study(plan.study.name), error) &&
+      std::filesystem::exists(there.study(plan.study.name), error)) {
     report_warning(program,
                    fmt::format("no results of this study in {}, but in {}; to use those: {}", work,
-                               there.string(), shell_text(option)));
+                               there.root().string(), shell_text({"--work", there.root()})));
   }
   return plan;
 }
@@ -243,14 +153,23 @@ void print_warnings(const std::string& program, const Plan& plan) {
   report_findings(program, found);
 }
 
-void UntilOption::add_to(CLI::App& app, const std::string& purpose) {
-  set_choices(*app.add_option("--until", name, purpose), names_of<Stage>());
+void add_until_option(CLI::App& app, std::optional<Stage>& until, const std::string& doc) {
+  const auto parse = [&until](const std::string& name) {
+    until = value_named<Stage>(name);
+    if (until) return;
+    throw CLI::ValidationError("--until", unknown_name("stage", name, names_of<Stage>()));
+  };
+  set_choices(*app.add_option_function<std::string>("--until", parse, doc), names_of<Stage>());
 }
 
-std::optional<Stage> UntilOption::stage() const {
-  if (name.empty()) return std::nullopt;
-  if (const auto stage = value_named<Stage>(name)) return stage;
-  throw InputError("--until: " + unknown_name("stage", name, names_of<Stage>()));
+std::string size_text(std::uintmax_t bytes) {
+  if (bytes < 1024) return fmt::format("{} B", bytes);
+  auto value = static_cast<double>(bytes);
+  for (const char* unit : {"KiB", "MiB", "GiB"}) {
+    value /= 1024.0;
+    if (value < 1024.0) return fmt::format("{:.1f} {}", value, unit);
+  }
+  return fmt::format("{:.1f} TiB", value / 1024.0);
 }
 
 void print_json(const nlohmann::ordered_json& json) {

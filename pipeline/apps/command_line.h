@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
@@ -28,6 +29,8 @@ int guarded_main(const std::string& program, const std::function<ExitStatus()>& 
 
 /// What a command does, after its words are read.
 using Action = std::function<ExitStatus()>;
+/// One that is done when `body` returns.
+Action done_after(std::function<void()> body);
 
 /// A command of `npdr`.
 struct Command {
@@ -77,21 +80,17 @@ void print_warning(std::string what);
 /// Prints what in the plan's study is probably not what was meant, as "program: place: warning".
 void print_warnings(const std::string& program, const Plan& plan);
 
-/// --until STAGE.
-struct UntilOption {
-  std::string name;
-
-  /// `purpose`: what the stage is to the command.
-  void add_to(CLI::App& app, const std::string& purpose);
-  /// None without the option. Throws InputError for an unknown name.
-  std::optional<Stage> stage() const;
-};
+/// --until STAGE. `doc`: what the stage is to the command.
+void add_until_option(CLI::App& app, std::optional<Stage>& until, const std::string& doc);
 
 /// Prints a line, of which much is text from files.
 template <class... T>
 void print_line(fmt::format_string<T...> format, T&&... values) {
   fmt::print("{}\n", printable_line(fmt::format(format, std::forward<T>(values)...)));
 }
+
+/// "512 B", "3.4 KiB", "1.2 GiB".
+std::string size_text(std::uintmax_t bytes);
 
 /// Prints `json` for programs: bytes of file names that aren't UTF-8 are replaced, all but ASCII is
 /// escaped where any of it isn't printable.

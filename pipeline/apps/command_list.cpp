@@ -4,37 +4,123 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 
 #include "core/text.h"
+#include "inference/algorithms/algorithm_config.h"
+#include "inference/embeddings/embedding_config.h"
+#include "inference/estimators/estimator_config.h"
+#include "inference/prior.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/name_words.h"
 #include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/config/check.h"
+#include "pipeline/config/metric.h"
 #include "pipeline/config/study_keys.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/sources/source.h"
+#include "sim/integrator.h"
 
 namespace npdr::pipeline {
 namespace {
 
-void list_simulator(const sim::SimulatorInfo& info) {
-  fmt::print("{}: {}\n", info.name, info.description);
-  for (const sim::Parameter& p : info.parameters) {
-    fmt::print("    {:<24} {:>10.6g} {:<12} {}\n", p.name, p.nominal, p.unit, p.description);
-  }
+// A line about each name that studies choose from.
+
+std::string words_of(inference::Algorithm value) {
+  using enum inference::Algorithm;
+  static const std::map<inference::Algorithm, std::string> words = {
+      {npe_nle,
+       "networks learn the posterior and the likelihood, pooled by what predicts best; the "
+       "usual choice; later rounds simulate the prior where the posterior is"},
+      {npe_a, "a mixture learns the posterior; later rounds are divided by their proposal"},
+      {npe_b,
+       "a network learns the posterior; later rounds weight simulations by prior / proposal"},
+      {npe_c, "a network learns the posterior; later rounds simulate draws of the posterior"},
+      {nle, "a network learns the likelihood, which a sampler makes a posterior of"},
+      {nre_a, "a classifier learns likelihood / evidence: pairs that belong together or don't"},
+      {nre_b, "the same, of one pair among several"},
+      {abc_rejection, "simulations of the prior whose distance to the observation is small"},
+      {abc_mcmc, "the same by Markov chains"},
+      {abc_smc, "the same by populations that come nearer from round to round"},
+      {linear_regression,
+       "the equations of motion as a Bayesian regression on the recording, no simulation"},
+      {refine,
+       "the posterior under the noise's likelihood, from another method's, with its evidence"},
+      {prior, "infers nothing: domain randomization over the prior"},
+      {nominal, "infers nothing: the nominal parameters"}};
+  return words.at(value);
 }
+
+std::string words_of(inference::EmbeddingKind value) {
+  using enum inference::EmbeddingKind;
+  static const std::map<inference::EmbeddingKind, std::string> words = {
+      {convolution,
+       "the states of all kept steps through convolutions that are trained with the network"},
+      {linear, "the states of all kept steps through a layer that is trained with the network"},
+      {all_steps, "the states of all kept steps"},
+      {delta_steps, "their differences from step to step"},
+      {last_step, "the last states alone"},
+      {bayessim, "sums over each series: short, and blind to much of it"},
+      {identity, "the features as the simulator gives them"}};
+  return words.at(value);
+}
+
+std::string words_of(inference::EstimatorKind value) {
+  using enum inference::EstimatorKind;
+  static const std::map<inference::EstimatorKind, std::string> words = {
+      {maf, "masked autoregressive flow: any shape with one bulge or a few"},
+      {mdn, "mixture of Gaussians: quick, for a few modes"},
+      {nsf, "neural spline flow: sharp and bent shapes, slower"},
+      {resnet, "residual network, for ratios alone (nre_a, nre_b)"}};
+  return words.at(value);
+}
+
+std::string words_of(inference::Marginal::Kind value) {
+  using enum inference::Marginal::Kind;
+  static const std::map<inference::Marginal::Kind, std::string> words = {
+      {uniform, "[low, high]: every value between is as likely"},
+      {log_uniform, "[low, high] with low > 0: every order of magnitude is as likely"},
+      {normal, "[mean, standard deviation], without bounds"},
+      {log_normal, "[mean of log, standard deviation of log]: positive, without an upper bound"}};
+  return words.at(value);
+}
+
+std::string words_of(sim::Integrator value) {
+  using enum sim::Integrator;
+  static const std::map<sim::Integrator, std::string> words = {
+      {erk4, "Runge-Kutta of order 4 with fixed steps"},
+      {erk2, "of order 2"},
+      {erk5, "of order 5"},
+      {cvode, "steps and orders that adapt to tolerances, for stiff systems"}};
+  return words.at(value);
+}
+
+std::string words_of(Metric value) {
+  using enum Metric;
+  static const std::map<Metric, std::string> words = {
+      {dtw, "distance of trajectories that may be shifted in time (dynamic time warping)"},
+      {rmse, "root mean square error of the states, over their largest recorded magnitude"},
+      {final_error, "distance of the last states, where all have one unit"},
+      {goal, "share of the rollouts that end at the simulator's goal"},
+      {distance, "of features, in standard deviations over the prior"}};
+  return words.at(value);
+}
+
+std::string words_of(Check check) { return std::string(traits_of(check).question); }
 
 std::string limits_text(const sim::Parameter& p) {
   const bool is_limited = std::isfinite(p.lower) || std::isfinite(p.upper);
   return is_limited ? fmt::format("[{:g}, {:g}]", p.lower, p.upper) : "";
 }
 
-// All that npdr knows of the simulator of a study.
-void list_simulator_of(const std::string& file) {
-  Study study = read_study(file, {});
-  resolve_source(study);
-  const auto source = make_source(study);
-  const sim::SimulatorInfo& info = source->info();
+void list_channels(const char* title, const std::vector<Channel>& channels) {
+  if (!channels.empty()) fmt::print("{}:\n", title);
+  for (const Channel& channel : channels) {
+    fmt::print("    {:<24} {:>10} {}\n", channel.label, "", channel.unit);
+  }
+}
+
+void list_simulator(const sim::SimulatorInfo& info, bool gives_motion = true) {
   fmt::print("{}{}{}\nparameters:\n", info.name, info.description.empty() ? "" : ": ",
              info.description);
   for (const sim::Parameter& p : info.parameters) {
@@ -42,20 +128,17 @@ void list_simulator_of(const std::string& file) {
     fmt::print("    {:<24} {:>10} {:<12} {:<16} {}\n", p.name, nominal, p.unit, limits_text(p),
                p.description);
   }
-  const auto list_channels = [](const char* title, const std::vector<Channel>& channels) {
-    if (!channels.empty()) fmt::print("{}:\n", title);
-    for (const Channel& channel : channels) {
-      fmt::print("    {:<24} {:>10} {}\n", channel.label, "", channel.unit);
-    }
-  };
-  const bool gives_motion = study.source().gives_motion;
   list_channels(gives_motion ? "states" : "features", info.state_channels);
   if (gives_motion) list_channels("actions", info.action_channels);
   if (info.goal) fmt::print("goal: {}\n", info.goal->description);
 }
 
-void list_simulators(const std::string& study) {
-  if (!study.empty()) return list_simulator_of(study);
+void list_simulators(const std::string& file) {
+  if (!file.empty()) {
+    Study study = read_study(file, {});
+    resolve_source(study);
+    return list_simulator(make_source(study)->info(), study.source().gives_motion);
+  }
   for (const std::string& name : sim::simulator_names()) {
     sim::SimulatorConfig config;
     config.name = name;
@@ -164,10 +247,7 @@ Action list_command(CLI::App& command) {
   command.add_option("--markdown", arguments->table,
                      "of keys or layouts: one table, such as method.training, as Markdown");
   command.footer("Examples:\n  npdr list methods\n  npdr list keys method.training");
-  return [arguments] {
-    list(*arguments);
-    return ExitStatus::done;
-  };
+  return done_after([arguments] { list(*arguments); });
 }
 
 }  // namespace npdr::pipeline

@@ -38,17 +38,12 @@ namespace npdr::pipeline {
 namespace {
 
 struct PosteriorArguments {
-  std::string posterior;
+  std::string posterior;  ///< a file, or a study, whose method's posteriors count the same
+  StudyArguments study;   ///< which of the study's
   std::string recording;  ///< --x: another observation
   Index count = 1000;
   std::uint64_t seed = 0;
   std::string theta;  ///< file of log-prob
-};
-
-/// Posteriors that a command line names: one, or those of a study's method.
-struct ChosenPosteriors {
-  PosteriorArguments posterior;  ///< its `posterior` may be a study
-  StudyArguments study;          ///< which of the study's
 };
 
 // Largest difference of what simulations take from a recording: actions, and states they begin in.
@@ -97,26 +92,25 @@ struct Observation {
 Observation embed_recording(const std::string& posterior, const std::string& recording) {
   const h5::File file = open_artefact(posterior, kPosteriorSchema);
   const ArtefactInfo info = read_artefact_info(posterior);
-  const auto embedding = from_json<inference::EmbeddingConfig>(
+  const auto config = from_json<inference::EmbeddingConfig>(
       parse_json(file.attribute<std::string>("embedding"), posterior), posterior);
   const auto table = from_json<SimulatorTable>(info.identity.study.at("simulator"),
                                                posterior + ": study.simulator");
   const Channels channels = observed_channels(posterior);
+  const auto embedded = [&](const Target& target, Index store_every) {
+    const auto embedding = inference::make_embedding(config, target, store_every);
+    return inference::observed_features(*embedding, target, store_every);
+  };
   if (!traits_of(table.external.kind()).gives_motion) {
     const Target target = read_observation(recording, channels.states);
     print_findings(warnings_of_observation(recording));
-    return {
-        inference::observed_features(*inference::make_embedding(embedding, target, 1), target, 1),
-        channels.states};
+    return {embedded(target, 1), channels.states};
   }
   const sim::SimulatorConfig& simulator = table.built_in;
   const Target target = read_recording(recording, channels);
   require_like_observation(recording, target, posterior);
   warn_of_other_inputs(recording, target, posterior, info, simulator.segment_length);
-  return {inference::observed_features(
-              *inference::make_embedding(embedding, target, simulator.store_every), target,
-              simulator.store_every),
-          {}};
+  return {embedded(target, simulator.store_every), {}};
 }
 
 // A network of later rounds has learned around its own x_o.
@@ -154,14 +148,13 @@ std::string conspicuous_feature(const inference::UsualFeatures& usual,
 }
 
 // Nor has it learned anything of what looks like no simulation.
-void warn_of_unlike_simulations(const PosteriorArguments& arguments,
+void warn_of_unlike_simulations(const std::string& posterior, const std::string& recording,
                                 const Observation& observation) {
-  const auto usual = read_usual_features({arguments.posterior});
+  const auto usual = read_usual_features({posterior});
   constexpr double level = 1e-3;  // false alarms
-  const Index num_reference = usual ? usual->distances.rows() : 1;
-  if (!inference::can_be_outside(num_reference, level)) {
+  if (!inference::can_be_outside(usual ? usual->distances.rows() : 1, level)) {
     fmt::print(stderr, "note: the simulations of {} were too few to tell whether {} is like them\n",
-               arguments.posterior, arguments.recording);
+               posterior, recording);
     return;
   }
   const double p = inference::test_out_of_distribution(*usual, observation.x).p_value;
@@ -169,46 +162,44 @@ void warn_of_unlike_simulations(const PosteriorArguments& arguments,
   print_warning(
       fmt::format("{} is unlike all simulations that the posterior was learned from (p = "
                   "{:.2g}; {}); what it says there is a guess: check the units, or widen the prior",
-                  arguments.recording, p, conspicuous_feature(*usual, observation)));
-}
-
-std::string verdict_on_chains(double r_hat) {
-  if (std::isnan(r_hat)) return "; too few samples of each chain to say more";
-  return r_hat > inference::kLargestRHat
-             ? "; they don't agree, so rows aren't independent, and modes may be badly weighted"
-             : "";
+                  recording, p, conspicuous_feature(*usual, observation)));
 }
 
 // Prints how far Markov chains agree, where there are any.
 void print_sampler(const inference::Samples& samples) {
   if (!samples.report || samples.report->r_hat.size() == 0) return;
   const double r_hat = samples.report->r_hat.maxCoeff<Eigen::PropagateNaN>();
+  std::string verdict;
+  if (std::isnan(r_hat)) verdict = "; too few samples of each chain to say more";
+  if (r_hat > inference::kLargestRHat) {
+    verdict = "; they don't agree: rows aren't independent, modes may be badly weighted";
+  }
   fmt::print(stderr, "chains: largest R-hat {:.3f}, smallest effective sample size {:.0f}{}\n",
-             r_hat, samples.report->ess.minCoeff<Eigen::PropagateNaN>(), verdict_on_chains(r_hat));
+             r_hat, samples.report->ess.minCoeff<Eigen::PropagateNaN>(), verdict);
 }
 
-std::unique_ptr<inference::Posterior> read(const PosteriorArguments& arguments) {
-  if (arguments.recording.empty()) return read_posterior({arguments.posterior});
-  const auto posterior = read_network_posterior({arguments.posterior});
-  const Observation observation = embed_recording(arguments.posterior, arguments.recording);
+std::unique_ptr<inference::Posterior> read(const std::string& path, const std::string& recording) {
+  if (recording.empty()) return read_posterior({path});
+  const auto posterior = read_network_posterior({path});
+  const Observation observation = embed_recording(path, recording);
   auto other = posterior->given(observation.x);
-  warn_of_later_round(arguments.posterior);
-  warn_of_unlike_simulations(arguments, observation);
+  warn_of_later_round(path);
+  warn_of_unlike_simulations(path, recording, observation);
   return other;
 }
 
 // Anybody may have made the file, and some crash HDF5: a child goes first.
-std::unique_ptr<inference::Posterior> load(const PosteriorArguments& arguments) {
-  try_to_read(arguments.posterior, [&] { read(arguments); });
-  return read(arguments);
+std::unique_ptr<inference::Posterior> load(const std::string& path, const std::string& recording) {
+  try_to_read(path, [&] { read(path, recording); });
+  return read(path, recording);
 }
 
 // Weights that are finite may still overflow in the sums of a network.
-void require_numbers(const PosteriorArguments& arguments, bool are_numbers) {
+void require_numbers(const std::string& posterior, bool are_numbers) {
   if (are_numbers) return;
-  throw Error(arguments.posterior +
+  throw Error(posterior +
               ": its network's answer isn't a number: its weights, or x, are too large; train it "
-              "anew, with a smaller training.learning_rate where that may have made them so");
+              "anew, maybe with a smaller training.learning_rate");
 }
 
 // Weighted particles, and weighted draws of a network, are drawn again and again; fewer than a
@@ -216,11 +207,10 @@ void require_numbers(const PosteriorArguments& arguments, bool are_numbers) {
 void note_repeats(const RowMatrix& theta) {
   const Index repeats = inference::num_repeated_rows(theta);
   if (repeats < std::max<Index>(1, theta.rows() / 100)) return;
-  fmt::print(
-      stderr,
-      "note: {} of {} rows repeat others: this posterior is drawn from weighted points; they are "
-      "right for means and predictions, but no {} different draws\n",
-      repeats, theta.rows(), theta.rows());
+  fmt::print(stderr,
+             "note: {} of {} rows repeat others: this posterior is drawn from weighted points, "
+             "which is right for means and predictions\n",
+             repeats, theta.rows());
 }
 
 // As a study's check does of its own observation. Of an angle over all of its period both ends may
@@ -241,14 +231,15 @@ void warn_of_pressed_bounds(const inference::Prior& prior, const RowMatrix& thet
                   join(pressed)));
 }
 
-// Samples of posterior k = 0, 1, ... of those that are pooled, the first after the names of the
-// parameters. Each has random numbers of its own.
-void print_samples(const PosteriorArguments& arguments, Index k) {
-  const auto posterior = load(arguments);
-  const inference::Samples samples = posterior->draw(
-      arguments.count, {arguments.seed, "sample", static_cast<std::uint64_t>(k), 0, 0});
+// `count` samples of posterior k = 0, 1, ... of those that are pooled, the first after the names of
+// the parameters. Each has random numbers of its own.
+void print_samples(const PosteriorArguments& arguments, const std::string& path, Index count,
+                   Index k) {
+  const auto posterior = load(path, arguments.recording);
+  const inference::Samples samples =
+      posterior->draw(count, {arguments.seed, "sample", static_cast<std::uint64_t>(k), 0, 0});
   const RowMatrix& theta = samples.theta;
-  require_numbers(arguments, theta.allFinite());
+  require_numbers(path, theta.allFinite());
   print_sampler(samples);
   note_repeats(theta);
   if (!arguments.recording.empty()) warn_of_pressed_bounds(posterior->prior(), theta);
@@ -262,78 +253,36 @@ void print_samples(const PosteriorArguments& arguments, Index k) {
   }
 }
 
-// The one method of the plan that infers, or that of --only.
-const MethodConfig& only_method(const Plan& plan, const std::vector<std::string>& selected) {
-  std::vector<std::string> names;
-  for (const MethodConfig& method : plan.study.methods) {
-    const bool is_selected = selected.empty() || std::ranges::count(selected, method.name) > 0;
-    if (infers(method) && is_selected) names.push_back(method.name);
-  }
-  if (names.size() == 1) return plan.study.method(names.front());
-  throw InputError(fmt::format("{}: {} methods infer ({}), must be one: choose it by --method",
-                               plan.study.name, names.size(), join(names)));
-}
-
-// Posteriors of a study's method, in the order of seeds.
-std::vector<std::string> posteriors_of(const Plan& plan, const StudyArguments& arguments) {
-  const MethodConfig& method = only_method(plan, arguments.methods);
-  const Index iterations = plan.study.num_iterations_of(method);
-  std::vector<std::string> paths;
-  for (const std::uint64_t seed : plan.study.seeds) {
-    const auto& wanted = arguments.seeds;
-    if (!wanted.empty() && std::ranges::count(wanted, seed) == 0) continue;
-    const Use use{method.name, seed, method.algorithm.num_rounds, iterations > 1 ? iterations : 0};
-    const Node& node = plan.node(Stage::infer, use);
-    if (!is_complete(plan, node)) {
-      throw InputError(
-          fmt::format("{}: isn't there yet; run it first: {}", node.label(), plan.command));
+// The files of all posteriors.
+std::vector<std::string> files_of(const PosteriorArguments& arguments, const char* program) {
+  StudyArguments study = arguments.study;
+  if (!arguments.posterior.ends_with(".toml")) {
+    if (study.methods.empty() && study.seeds.empty() && study.overrides.empty()) {
+      return {arguments.posterior};
     }
-    open_artefact(node, kPosteriorSchema);  // of this key
-    paths.push_back(node.path);
+    throw InputError(arguments.posterior +
+                     ": is one posterior; --method, --seeds and --set choose among those of a "
+                     "study: leave them out, or name the study's .toml in place of the file");
   }
-  return paths;
-}
-
-// A file holds one posterior, as it was trained.
-void require_nothing_chosen(const ChosenPosteriors& chosen) {
-  const auto refuse = [&](const char* option, const auto& given) {
-    if (given.empty()) return;
-    throw InputError(
-        fmt::format("{}: is one posterior; {} chooses among those of a study: leave "
-                    "it out, or name the study's .toml in place of the file",
-                    chosen.posterior.posterior, option));
-  };
-  refuse("--only, or --method,", chosen.study.methods);
-  refuse("--seeds", chosen.study.seeds);
-  refuse("--set", chosen.study.overrides);
-}
-
-// One for each, which count the same.
-std::vector<PosteriorArguments> each_of(const ChosenPosteriors& chosen, const char* program) {
-  if (!chosen.posterior.posterior.ends_with(".toml")) {
-    require_nothing_chosen(chosen);
-    return {chosen.posterior};
-  }
-  StudyArguments study = chosen.study;
-  study.file = chosen.posterior.posterior;
+  study.file = arguments.posterior;
   const Plan plan = study.plan_here(program);
-  std::vector<PosteriorArguments> all;
-  for (const std::string& path : posteriors_of(plan, study)) {
-    all.push_back(chosen.posterior);
-    all.back().posterior = path;
+  std::vector<std::string> files;
+  const auto posteriors = last_nodes_of_method(plan, Stage::infer, study.methods);
+  for (const auto& [node, use] : posteriors) {
+    open_artefact(*node, kPosteriorSchema);  // of this key
+    files.push_back(node->path);
   }
-  warn_of_failed_checks(plan, only_method(plan, study.methods).name);
-  return all;
+  warn_of_failed_checks(plan, posteriors.front().use.method);
+  return files;
 }
 
 // The samples are shared out among the posteriors.
-void print_samples_of(const ChosenPosteriors& chosen) {
-  std::vector<PosteriorArguments> all = each_of(chosen, "npdr sample");
-  const auto num = static_cast<Index>(all.size());
+void print_samples_of(const PosteriorArguments& arguments) {
+  const std::vector<std::string> files = files_of(arguments, "npdr sample");
+  const auto num = static_cast<Index>(files.size());
   for (Index i = 0; i < num; ++i) {
-    PosteriorArguments& one = all[static_cast<std::size_t>(i)];
-    one.count = chosen.posterior.count / num + (i < chosen.posterior.count % num ? 1 : 0);
-    if (one.count > 0) print_samples(one, i);
+    const Index count = arguments.count / num + (i < arguments.count % num ? 1 : 0);
+    if (count > 0) print_samples(arguments, files[static_cast<std::size_t>(i)], count, i);
   }
 }
 
@@ -350,14 +299,14 @@ RowMatrix read_theta(const std::string& path, const inference::Prior& prior) {
 }
 
 // The density of several is their mean.
-void print_log_prob(const ChosenPosteriors& chosen) {
+void print_log_prob(const PosteriorArguments& arguments) {
   RowMatrix theta, log_prob;  // (n, D), (n, posteriors)
-  for (const PosteriorArguments& one : each_of(chosen, "npdr log-prob")) {
-    const auto posterior = load(one);
-    if (theta.size() == 0) theta = read_theta(one.theta, posterior->prior());
+  for (const std::string& file : files_of(arguments, "npdr log-prob")) {
+    const auto posterior = load(file, arguments.recording);
+    if (theta.size() == 0) theta = read_theta(arguments.theta, posterior->prior());
     log_prob.conservativeResize(theta.rows(), log_prob.cols() + 1);
     log_prob.rightCols(1) = posterior->log_prob(theta);
-    require_numbers(one, !log_prob.rightCols(1).hasNaN());
+    require_numbers(file, !log_prob.rightCols(1).hasNaN());
   }
   fmt::print("log_prob\n");
   for (Index i = 0; i < log_prob.rows(); ++i) {
@@ -365,49 +314,41 @@ void print_log_prob(const ChosenPosteriors& chosen) {
   }
 }
 
-void add_options(CLI::App& command, ChosenPosteriors& chosen) {
+std::shared_ptr<PosteriorArguments> add_options(CLI::App& command) {
+  auto arguments = std::make_shared<PosteriorArguments>();
   command
-      .add_option("POSTERIOR", chosen.posterior.posterior,
-                  "posterior artefact (infer.h5), or a study")
+      .add_option("POSTERIOR", arguments->posterior, "posterior artefact (infer.h5), or a study")
       ->required();
-  command.add_option("--x", chosen.posterior.recording,
+  command.add_option("--x", arguments->recording,
                      "another recording, or file of x_o, to condition on");
-  chosen.study.add_selection_to(command);
+  arguments->study.add_selection_to(command);
   command.get_option("--method")->description("that of a study's methods, where several infer");
+  return arguments;
 }
 
 }  // namespace
 
 Action sample_command(CLI::App& command) {
-  auto chosen = std::make_shared<ChosenPosteriors>();
-  add_options(command, *chosen);
-  command.add_option("-n,--num-samples", chosen->posterior.count, "how many")
+  auto arguments = add_options(command);
+  command.add_option("-n,--num-samples", arguments->count, "how many")
       ->capture_default_str()
       ->check(CLI::Range(Index{1}, Index{100'000'000}));
-  add_seed_option(command, "--seed", chosen->posterior.seed,
-                  "of the draws; see --seeds for a study's");
+  add_seed_option(command, "--seed", arguments->seed, "of the draws; see --seeds for a study's");
   command.footer(
       "Examples:\n  npdr sample runs/study/npe/seed-1/round-1/infer.h5 -n 500\n"
       "  npdr sample study.toml --method NPE --seeds 1\n"
       "  npdr sample study.toml --method NPE        (all seeds pooled)");
-  return [chosen] {
-    print_samples_of(*chosen);
-    return ExitStatus::done;
-  };
+  return done_after([arguments] { print_samples_of(*arguments); });
 }
 
 Action log_prob_command(CLI::App& command) {
-  auto chosen = std::make_shared<ChosenPosteriors>();
-  add_options(command, *chosen);
-  command.add_option("THETA", chosen->posterior.theta, "CSV or HDF5 with a column per parameter")
+  auto arguments = add_options(command);
+  command.add_option("THETA", arguments->theta, "CSV or HDF5 with a column per parameter")
       ->required();
   command.footer(
       "Examples:\n  npdr log-prob runs/study/npe/seed-1/round-1/infer.h5 theta.csv\n"
       "  npdr log-prob study.toml theta.csv --method NPE        (all seeds pooled)");
-  return [chosen] {
-    print_log_prob(*chosen);
-    return ExitStatus::done;
-  };
+  return done_after([arguments] { print_log_prob(*arguments); });
 }
 
 }  // namespace npdr::pipeline

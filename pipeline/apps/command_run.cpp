@@ -10,7 +10,6 @@
 
 #include "core/parallel.h"
 #include "core/shell_text.h"
-#include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/plan/completeness.h"
@@ -25,33 +24,21 @@ namespace {
 
 struct RunArguments {
   StudyArguments study;
-  UntilOption until;
+  std::optional<Stage> until;
   int num_jobs = num_cores();
   std::vector<std::string> artefacts;
   bool dry_run = false;
   bool strict = false;
 };
 
-void print_commands(const Plan& plan, const SchedulerConfig& config) {
-  for (const Node* node : missing_nodes(plan, config)) {
-    fmt::print("# {}\n{}\n", node->label(), shell_text(stage_command(config, *node)));
-  }
-}
-
-// Those of the study's main tables that there are: without simulations there is no fit.
-std::vector<std::filesystem::path> main_tables(const Plan& plan) {
+// The study's main tables, as far as there are any, what its checks say, and where the rest is;
+// returns whether any check failed. The command that made them all stands below the last one.
+bool print_results(const Plan& plan) {
   std::vector<std::filesystem::path> paths;
   for (const char* name : {"parameters.md", "fit.md", "policy.md"}) {
     paths.push_back(plan.work.study(plan.study.name) / "tables" / name);
+    if (!std::filesystem::exists(paths.back())) paths.pop_back();
   }
-  std::erase_if(paths, [](const auto& path) { return !std::filesystem::exists(path); });
-  return paths;
-}
-
-// The main tables, what the study's checks say, and where the rest is; returns whether any check
-// failed. The command that made them all stands below the last one.
-bool print_results(const Plan& plan) {
-  const std::vector<std::filesystem::path> paths = main_tables(plan);
   const auto columns = terminal_columns();
   for (const std::filesystem::path& path : paths) {
     std::ifstream table(path);
@@ -78,22 +65,12 @@ void warn_of_another_run(const Plan& plan, const std::vector<const Node*>& missi
 }
 
 // What --only and --seeds left out, the report lacks.
-void print_selection(const StudyArguments& study) {
-  std::vector<std::string> options;
-  if (!study.methods.empty()) options.emplace_back("--only");
-  if (!study.seeds.empty()) options.emplace_back("--seeds");
-  if (options.empty()) return;
-  StudyArguments whole = study;
-  whole.methods.clear();
-  whole.seeds.clear();
-  print_line("report and tables hold what {} chose; all again: npdr run {}", join(options, " and "),
-             shell_text(whole.words()));
-}
-
-std::vector<std::string> keys_of(const Plan& plan, const std::vector<std::string>& beginnings) {
-  std::vector<std::string> keys;
-  for (const std::string& beginning : beginnings) keys.push_back(plan.node_by_key(beginning).key);
-  return keys;
+void print_selection(StudyArguments study) {
+  if (study.methods.empty() && study.seeds.empty()) return;
+  study.methods.clear();
+  study.seeds.clear();
+  print_line("report and tables hold what --only and --seeds chose; all again: npdr run {}",
+             shell_text(study.words()));
 }
 
 // Where nothing is made, nothing reads what was damaged after it was made.
@@ -108,10 +85,14 @@ void require_sound(const Plan& plan) {
 ExitStatus run(const RunArguments& arguments) {
   stop_with_parent();
   const Plan plan = arguments.study.plan_here("npdr run");
-  const SchedulerConfig config{arguments.num_jobs, arguments.until.stage(), arguments.study.words(),
-                               keys_of(plan, arguments.artefacts)};
+  SchedulerConfig config{arguments.num_jobs, arguments.until, {}};
+  for (const std::string& key : arguments.artefacts) {
+    config.artefacts.push_back(plan.node_by_key(key).key);
+  }
   if (arguments.dry_run) {
-    print_commands(plan, config);
+    for (const Node* node : missing_nodes(plan, config)) {
+      fmt::print("# {}\n{}\n", node->label(), shell_text(stage_command(plan, *node)));
+    }
     return ExitStatus::done;
   }
   print_warnings("npdr run", plan);
@@ -136,7 +117,7 @@ ExitStatus run(const RunArguments& arguments) {
 Action run_command(CLI::App& command) {
   auto arguments = std::make_shared<RunArguments>();
   arguments->study.add_to(command);
-  arguments->until.add_to(command, "the last stage to run");
+  add_until_option(command, arguments->until, "the last stage to run");
   command.add_option("-j,--jobs", arguments->num_jobs, "cores to use")
       ->capture_default_str()
       ->check(CLI::Range(1, 4096));

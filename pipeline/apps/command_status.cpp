@@ -6,8 +6,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "core/finding.h"
+#include "core/text.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/size_text.h"
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/cluster_status.h"
 #include "pipeline/process/fitted_text.h"
@@ -29,22 +30,15 @@ struct Standing {
     if (process != 0 || (jobs && !jobs->running.empty())) return "running";
     if (jobs && !jobs->waiting.empty()) return "queued";
     if (jobs && !jobs->failed.empty()) return "failed";
-    return to_string(status.state);
+    return name_of(status.state);
   }
 
   std::string detail() const {
-    std::string text = status.detail;
-    const auto add = [&](const std::string& more) {
-      if (!more.empty()) text += (text.empty() ? "" : "; ") + more;
-    };
-    if (process != 0) add(fmt::format("process {}", process));
-    if (!jobs) return text;
-    add(jobs->text());
-    if (!jobs->failed.empty()) add(jobs->failed.front());
-    if (jobs->failed.size() > 1) add(fmt::format("{} more failed", jobs->failed.size() - 1));
-    const auto helpers = std::ssize(jobs->failed_helpers);
-    if (helpers > 0) add(counted(helpers, "helper") + " failed, " + jobs->failed_helpers.front());
-    return text;
+    std::vector<std::string> parts = {status.detail};
+    if (process != 0) parts.push_back(fmt::format("process {}", process));
+    if (jobs) append(parts, jobs->details());
+    std::erase(parts, "");
+    return join(parts, "; ");
   }
 };
 
@@ -70,46 +64,22 @@ std::vector<Standing> standings(const Plan& plan, Scrutiny scrutiny) {
   return rows;
 }
 
-// The table's lines. On a terminal none wraps in the middle of a word: keys, which '--json' has,
-// too, are left out where they have no room, and details go on a line of their own.
-class TableLines {
- public:
-  explicit TableLines(const std::vector<Standing>& rows) : columns_(terminal_columns()) {
-    for (const Standing& row : rows) width_ = std::max(width_, row.node.label().size());
-    has_keys_ = !columns_ || line("", "", "", "").size() + 10 <= *columns_;
-  }
-
-  void print_head() const {
-    print_line("{}{}", line("artefact", "state", "size", "seconds"), has_keys_ ? "  key" : "");
-  }
-
-  void print(const Standing& row) const {
-    const ArtefactStatus& status = row.status;
-    const double seconds = status.cost.wall_seconds;
-    const std::string text =
-        line(row.node.label(), row.state(), status.bytes > 0 ? size_text(status.bytes) : "-",
-             seconds > 0.0 ? fmt::format("{:.2f}", seconds) : "-") +
-        (has_keys_ ? "  " + row.node.key.substr(0, 8) : "");
-    const std::string detail = row.detail();
-    const bool has_room = !columns_ || text.size() + 2 + detail.size() <= *columns_;
-    print_line("{}{}", text, detail.empty() || !has_room ? "" : "  " + detail);
-    if (!has_room && !detail.empty()) print_line("    {}", detail);
-  }
-
- private:
-  std::string line(const std::string& label, const std::string& state, const std::string& size,
-                   const std::string& seconds) const {
-    return fmt::format("{:<{}}  {:<10}  {:>9}  {:>9}", label, width_, state, size, seconds);
-  }
-
-  std::optional<std::size_t> columns_;
-  std::size_t width_ = 8;
-  bool has_keys_ = true;
-};
-
+// On a terminal no line wraps in the middle of a word: keys, which '--json' has, too, are left out
+// where they have no room, and details go on a line of their own.
 void print_table(const std::vector<Standing>& rows) {
-  const TableLines lines(rows);
-  lines.print_head();
+  const auto columns = terminal_columns();
+  const auto has_room = [&](std::size_t size) {
+    return !columns || size <= static_cast<std::size_t>(*columns);
+  };
+  std::size_t width = 8;
+  for (const Standing& row : rows) width = std::max(width, row.node.label().size());
+  const auto line = [&](const std::string& label, const std::string& state, const std::string& size,
+                        const std::string& seconds, const std::string& key) {
+    const std::string text =
+        fmt::format("{:<{}}  {:<10}  {:>9}  {:>9}", label, width, state, size, seconds);
+    return has_room(text.size() + 10) ? text + "  " + key : text;
+  };
+  print_line("{}", line("artefact", "state", "size", "seconds", "key"));
   std::map<std::string, int> counts;
   std::uintmax_t bytes = 0;
   double seconds = 0.0;
@@ -118,14 +88,19 @@ void print_table(const std::vector<Standing>& rows) {
     ++counts[row.state()];
     bytes += status.bytes;
     seconds += status.cost.wall_seconds;
-    lines.print(row);
+    const double taken = status.cost.wall_seconds;
+    const std::string text =
+        line(row.node.label(), row.state(), status.bytes > 0 ? size_text(status.bytes) : "-",
+             taken > 0.0 ? fmt::format("{:.2f}", taken) : "-", row.node.key.substr(0, 8));
+    const std::string detail = row.detail();
+    const bool is_beside = has_room(text.size() + 2 + detail.size());
+    print_line("{}{}", text, detail.empty() || !is_beside ? "" : "  " + detail);
+    if (!is_beside && !detail.empty()) print_line("    {}", detail);
   }
-  std::string summary;
-  for (const auto& [state, count] : counts) {
-    summary += fmt::format("{}{} {}", summary.empty() ? "" : ", ", count, state);
-  }
-  fmt::print("\n{} artefacts: {}; {}, {:.1f} s of work\n", rows.size(), summary, size_text(bytes),
-             seconds);
+  std::vector<std::string> summary;
+  for (const auto& [state, count] : counts) summary.push_back(fmt::format("{} {}", count, state));
+  fmt::print("\n{} artefacts: {}; {}, {:.1f} s of work\n", rows.size(), join(summary),
+             size_text(bytes), seconds);
 }
 
 struct CostRow {
@@ -136,12 +111,11 @@ struct CostRow {
 };
 
 void add_cost(std::vector<CostRow>& costs, const std::string& name, const ArtefactStatus& status) {
-  auto cost =
-      std::find_if(costs.begin(), costs.end(), [&](const CostRow& c) { return c.name == name; });
-  if (cost == costs.end()) cost = costs.insert(costs.end(), {.name = name});
-  ++cost->artefacts;
-  cost->bytes += status.bytes;
-  cost->cost += status.cost;
+  auto row = std::ranges::find(costs, name, &CostRow::name);
+  if (row == costs.end()) row = costs.insert(costs.end(), {.name = name});
+  ++row->artefacts;
+  row->bytes += status.bytes;
+  row->cost += status.cost;
 }
 
 void print_costs(const std::string& what, const std::vector<CostRow>& costs) {
@@ -270,7 +244,7 @@ Action explain_command(CLI::App& command) {
     if (nodes.empty()) fmt::print("all {} artefacts are up to date\n", plan.nodes.size());
     for (const Node* node : nodes) {
       print_line("{} ({}): {}", node->label(), node->key.substr(0, 8),
-                 to_string(status_of(plan, *node).state));
+                 name_of(status_of(plan, *node).state));
       for (const std::string& line : reasons(plan, *node)) print_line("    {}", line);
     }
     return ExitStatus::done;

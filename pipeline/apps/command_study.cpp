@@ -10,7 +10,6 @@
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/apps/new_study.h"
-#include "pipeline/apps/size_text.h"
 #include "pipeline/apps/trial_rows.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/check.h"
@@ -108,65 +107,52 @@ void print_policy_searches(const Plan& plan) {
              counted(tests, "test"));
 }
 
-// The same where simulations are vectors.
-void print_feature_work(const Plan& plan) {
+// Rollouts that each row of a simulation replays.
+Index num_replayed(const Plan& plan, const Node& node) {
   const Study& study = plan.study;
-  const auto num_features = static_cast<Index>(study.external.features.size());
-  Index rows = 0, num_shards = 0;
-  for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::simulate) continue;
-    rows += num_rows(plan, node);
-    num_shards += pipeline::num_shards(plan, node);
-  }
-  const std::string source = study.source().simulates
-                                 ? fmt::format("simulations in {}", counted(num_shards, "shard"))
-                                 : "rows of the dataset";
-  fmt::print("{} artefacts: {} {}, {} features each, {} to train, at most {} of x\n",
-             plan.nodes.size(), rows, source, num_features,
-             counted(num_of(plan, Stage::infer), "posterior"),
-             size_text(static_cast<std::uintmax_t>(rows * num_features) * sizeof(float)));
-  print_refinements(plan);
-  print_judging(plan);
+  const Use& use = node.uses.front();
+  const Index seen = num_rollouts_seen(study.method(use.method), use);
+  if (seen > 0) return seen;
+  const Index num_rollouts = study.target.recording
+                                 ? plan.target.num_rollouts() - study.target.held_out
+                                 : study.target.num_rollouts;
+  const Index all = num_rollouts * std::max<Index>(1, use.iteration);
+  const Index folds = study.evaluate.leave_out;
+  return use.fold > 0 ? all - (all - use.fold + folds) / folds : all;
 }
 
-// Of the target's n rollouts.
-Index num_left_out(const Study& study, const Use& use, Index n) {
-  const Index folds = study.evaluate.leave_out;
-  return use.fold > 0 ? (n - use.fold + folds) / folds : 0;
+Index num_steps_of(const Plan& plan) {
+  const auto& inputs = plan.study.target.inputs;
+  if (plan.study.target.recording) return plan.target.num_steps();
+  return inputs ? read_recording(*inputs).num_steps() : plan.source->info().num_steps;
 }
 
 // The work and disk that a study implies.
 void print_work(const Plan& plan) {
   const Study& study = plan.study;
-  if (!study.source().gives_motion) return print_feature_work(plan);
-  const bool is_recorded = study.target.recording.has_value();
-  const auto& inputs = study.target.inputs;
-  const sim::SimulatorInfo& info = plan.source->info();
-  const Index num_rollouts =
-      is_recorded ? plan.target.num_rollouts() - study.target.held_out : study.target.num_rollouts;
-  const Index num_steps = is_recorded ? plan.target.num_steps()
-                          : inputs    ? read_recording(*inputs).num_steps()
-                                      : info.num_steps;
-  const auto num_states = static_cast<Index>(info.state_channels.size());
-  Index rows = 0, bytes = 0, rollouts = 0;
+  const SourceTraits& source = study.source();
+  Index rows = 0, rollouts = 0, shards = 0;
   for (const Node& node : plan.nodes) {
     if (node.stage != Stage::simulate) continue;
-    const MethodConfig& method = study.method(node.uses.front().method);
-    const Use& use = node.uses.front();
-    const Index seen = num_rollouts_seen(method, use);
-    const Index all = num_rollouts * std::max<Index>(1, use.iteration);
-    const Index h = seen > 0 ? seen : all - num_left_out(study, use, all);
     rows += num_rows(plan, node);
-    rollouts += num_rows(plan, node) * h;
-    bytes += num_rows(plan, node) * h * (num_steps / study.simulator.store_every) * num_states *
-             static_cast<Index>(sizeof(float));
+    shards += num_shards(plan, node);
+    if (source.gives_motion) rollouts += num_rows(plan, node) * num_replayed(plan, node);
   }
-  fmt::print(
-      "{} artefacts: {} simulations ({} rollouts of {} steps), {} to train, "
-      "at most {} of trajectories\n",
-      plan.nodes.size(), rows, rollouts, num_steps,
-      counted(num_of(plan, Stage::infer), "posterior"),
-      size_text(static_cast<std::uintmax_t>(bytes)));
+  Index values = rows * std::ssize(study.external.features);
+  std::string work = source.simulates
+                         ? fmt::format("{} simulations in {}", rows, counted(shards, "shard"))
+                         : fmt::format("{} rows of the dataset", rows);
+  work += fmt::format(", {} features each", study.external.features.size());
+  if (source.gives_motion) {
+    const Index steps = num_steps_of(plan);
+    work = fmt::format("{} simulations ({} rollouts of {} steps)", rows, rollouts, steps);
+    values = rollouts * (steps / study.simulator.store_every) *
+             std::ssize(plan.source->info().state_channels);
+  }
+  fmt::print("{} artefacts: {}, {} to train, at most {} of {}\n", plan.nodes.size(), work,
+             counted(num_of(plan, Stage::infer), "posterior"),
+             size_text(static_cast<std::uintmax_t>(values) * sizeof(float)),
+             source.gives_motion ? "trajectories" : "x");
   print_refinements(plan);
   print_judging(plan);
   print_policy_searches(plan);
@@ -183,7 +169,7 @@ void print_edit_marks(const std::filesystem::path& study) {
       numbers.push_back(std::to_string(number));
   }
   if (numbers.empty()) return;
-  fmt::print("marked EDIT, as npdr new wrote {}: {} {}\n", numbers.size() == 1 ? "it" : "them",
+  fmt::print("still marked EDIT, as npdr new wrote: {} {}\n",
              numbers.size() == 1 ? "line" : "lines", join(numbers));
 }
 
@@ -243,10 +229,7 @@ Action new_command(CLI::App& command) {
   command.footer(
       "Examples:\n  npdr new spring --recording spring.h5 --worker 'python3 spring.py'\n"
       "  npdr new counts --observation x_o.csv --command 'python3 counts.py {theta} {x}'");
-  return [wanted] {
-    write_new_study(*wanted);
-    return ExitStatus::done;
-  };
+  return done_after([wanted] { write_new_study(*wanted); });
 }
 
 }  // namespace npdr::pipeline

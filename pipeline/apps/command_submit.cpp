@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <iterator>
 #include <memory>
 #include <set>
 #include <thread>
@@ -16,10 +15,8 @@
 #include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/batch_task.h"
 #include "pipeline/cluster/cluster_status.h"
-#include "pipeline/cluster/doomed_jobs.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/cluster/ledger.h"
-#include "pipeline/cluster/submission_lock.h"
 #include "pipeline/cluster/submit.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_reader.h"
@@ -35,7 +32,7 @@ constexpr Index kUsualArraySize = 1001;  // Slurm's default
 
 struct SubmitArguments {
   StudyArguments study;
-  UntilOption until;
+  std::optional<Stage> until;
   std::string site;
   std::string mail;
   std::vector<std::string> options;
@@ -56,18 +53,10 @@ ClusterConfig read_site_file(const std::string& named) {
   return read_site(usual);
 }
 
-void require_value(const std::string& name, const std::string& value) {
-  const auto allowed = option_value();
-  if (!satisfies(value, allowed)) throw InputError(must_be(name, quoted(value), allowed.words));
-}
-
-void require_options(const std::string& name, const std::vector<std::string>& options) {
-  const auto allowed = options_constraint();
-  for (const std::string& option : options) {
-    if (!satisfies(std::vector{option}, allowed)) {
-      throw InputError(must_be(name, quoted(option), allowed.words));
-    }
-  }
+template <class T>
+void require(const std::string& option, const std::string& found, const T& value,
+             const Constraint<T>& allowed) {
+  if (!satisfies(value, allowed)) throw InputError(must_be(option, quoted(found), allowed.words));
 }
 
 std::string summary(const Plan& plan, const std::vector<Job>& jobs) {
@@ -106,16 +95,16 @@ bool pause(std::chrono::milliseconds length) {
 void print_failures(const Plan& plan, std::optional<Stage> until) {
   const auto jobs = jobs_of_nodes(plan, std::vector<QueuedTask>{});
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    if (!jobs[i]) continue;
-    for (const std::string& failure : jobs[i]->failed) {
-      report_error("npdr submit", fmt::format("{} failed: {}", plan.nodes[i].label(), failure));
+    const Node& node = plan.nodes[i];
+    std::vector<std::string> failures;
+    if (jobs[i]) failures = jobs[i]->failed;
+    if (node.stage == Stage::simulate && is_complete(plan, node)) {
+      const ArtefactStatus status = status_of(plan, node);
+      if (status.state == ArtefactState::failed) failures.push_back(status.detail);
     }
-  }
-  for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::simulate || !is_complete(plan, node)) continue;
-    const ArtefactStatus status = status_of(plan, node);
-    if (status.state != ArtefactState::failed) continue;
-    report_error("npdr submit", fmt::format("{} failed: {}", node.label(), status.detail));
+    for (const std::string& failure : failures) {
+      report_error("npdr submit", fmt::format("{} failed: {}", node.label(), failure));
+    }
   }
   const auto missing = missing_nodes(plan, until);
   if (missing.empty()) return;
@@ -154,60 +143,62 @@ std::vector<QueuedTask> sound_tasks(const Plan& plan) {
   return without_jobs(queued, doomed);
 }
 
-// Those that make anything of the study as it is now, or as it was when they were submitted.
-std::vector<QueuedTask> submitted_tasks(const Plan& plan, const std::vector<QueuedTask>& queued) {
+// Tasks in Slurm that make anything of the study as it is now, or as it was when they were
+// submitted.
+std::vector<QueuedTask> submitted_tasks(const Plan& plan) {
   std::set<std::pair<std::string, std::string>> known;
   for (const LedgerEntry& entry : read_ledger(plan)) known.emplace(entry.job, entry.tag.text());
-  std::vector<QueuedTask> tasks = tasks_of(plan, queued);
-  std::set<std::string> ids;
-  for (const QueuedTask& task : tasks) ids.insert(task.id());
-  std::ranges::copy_if(queued, std::back_inserter(tasks), [&](const QueuedTask& task) {
-    return known.contains({task.job, task.comment}) && !ids.contains(task.id());
+  std::vector<QueuedTask> tasks = queued_tasks();
+  for (const QueuedTask& task : tasks_of(plan, tasks)) known.emplace(task.job, task.comment);
+  std::erase_if(tasks, [&](const QueuedTask& task) {
+    return !known.contains({task.job, task.comment});
   });
   return tasks;
 }
 
-void submit_missing(const Plan& plan, const SubmitConfig& config) {
-  const Index given_size = plan.study.cluster.max_array_size;
-  const SubmissionLock lock(jobs_folder(plan));
+void submit_missing(const Plan& plan, const SubmitArguments& arguments) {
+  const SubmissionLock lock(plan);
   const std::vector<QueuedTask> queued = sound_tasks(plan);
+  const Index given_size = plan.study.cluster.max_array_size;
   const auto jobs =
-      missing_jobs(plan, config, queued, given_size > 0 ? given_size : max_array_size());
+      missing_jobs(plan, arguments.until, queued, given_size > 0 ? given_size : max_array_size());
   if (jobs.empty()) {
-    fmt::print(
+    return fmt::print(
         "{}: nothing to submit, {}\n", plan.study.name,
         queued.empty() ? "all is up to date" : fmt::format("{} tasks wait or run", queued.size()));
-  } else {
-    submit_jobs(plan, config, jobs,
-                [&](const Job& job, const std::string& id) { print_job(plan, job, id); });
-    fmt::print("{}; 'npdr status' shows how they stand\n", summary(plan, jobs));
-    std::fflush(stdout);
   }
+  submit_jobs(plan, jobs, arguments.options,
+              [&](const Job& job, const std::string& id) { print_job(plan, job, id); });
+  fmt::print("{}; 'npdr status' shows how they stand\n", summary(plan, jobs));
+  std::fflush(stdout);
 }
 
 ExitStatus submit(SubmitArguments& arguments) {
   Plan plan = arguments.study.plan(read_site_file(arguments.site));
   if (!arguments.mail.empty()) plan.study.cluster.mail = arguments.mail;
-  require_value("--mail", arguments.mail);
-  require_options("--sbatch", arguments.options);
-  const SubmitConfig config{arguments.until.stage(), arguments.study.words(), arguments.options};
+  require("--mail", arguments.mail, arguments.mail, option_value());
+  for (const std::string& option : arguments.options) {
+    require("--sbatch", option, std::vector{option}, options_constraint());
+  }
   if (arguments.dry_run) {
     const Index given_size = plan.study.cluster.max_array_size;
-    const auto jobs = missing_jobs(plan, config, {}, given_size > 0 ? given_size : kUsualArraySize);
-    fmt::print("{}# {}; Slurm wasn't asked what it has already\n", dry_run_text(plan, config, jobs),
-               summary(plan, jobs));
+    const auto jobs =
+        missing_jobs(plan, arguments.until, {}, given_size > 0 ? given_size : kUsualArraySize);
+    fmt::print("{}# {}; Slurm wasn't asked what it has already\n",
+               dry_run_text(plan, jobs, arguments.options), summary(plan, jobs));
     return ExitStatus::done;
   }
   print_warnings("npdr submit", plan);
-  submit_missing(plan, config);
-  const ExitStatus status = arguments.wait ? wait_for_jobs(plan, config.until) : ExitStatus::done;
+  submit_missing(plan, arguments);
+  const ExitStatus status =
+      arguments.wait ? wait_for_jobs(plan, arguments.until) : ExitStatus::done;
   if (status == ExitStatus::done) print_verdicts_if_made(plan);
   return status;
 }
 
 ExitStatus cancel(const StudyArguments& arguments) {
   const Plan plan = arguments.plan();
-  const std::vector<QueuedTask> tasks = submitted_tasks(plan, queued_tasks());
+  const std::vector<QueuedTask> tasks = submitted_tasks(plan);
   std::set<std::string> jobs;
   for (const QueuedTask& task : tasks) jobs.insert(task.job);
   if (!jobs.empty()) cancel_in_slurm({jobs.begin(), jobs.end()});
@@ -220,7 +211,7 @@ ExitStatus cancel(const StudyArguments& arguments) {
 Action submit_command(CLI::App& command) {
   auto arguments = std::make_shared<SubmitArguments>();
   arguments->study.add_to(command);
-  arguments->until.add_to(command, "the last stage to run");
+  add_until_option(command, arguments->until, "the last stage to run");
   command.add_option("--site", arguments->site,
                      "file with a table [cluster], for keys that the study leaves out; else that "
                      "of the variable NPDR_SITE, else jobs/site.toml");

@@ -18,13 +18,13 @@ namespace {
 
 struct TasksArguments {
   StudyArguments study;
-  UntilOption until;
+  std::optional<Stage> until;
   Index shards_per_task = 1;
 };
 
 void print_task(const std::vector<std::string>& command, const std::string& shards) {
   std::vector<std::string> words = {executable_folder() / "npdr", "task", "--"};
-  words.insert(words.end(), command.begin(), command.end());
+  append(words, command);
   if (!shards.empty()) words.insert(words.end(), {"--shard", shards});
   const std::string line = shell_text(words);
   if (line.find_first_of("\r\n") != std::string::npos) {
@@ -50,24 +50,23 @@ void print_shards(const Plan& plan, const Node& node, const std::vector<std::str
 
 // After the refinement's own command: where there is no room for all, helpers that come too late
 // find it complete.
-void print_helpers(const Plan& plan, const SchedulerConfig& config, const Node& node) {
+void print_helpers(const Plan& plan, const Node& node) {
   const Index count = is_refinement(plan, node) ? plan.study.cluster.refine_tasks : 0;
   for (Index number = 1; number <= count; ++number) {
-    print_task(helper_command(config, node, {number, count}), "");
+    print_task(helper_command(plan, node, {number, count}), "");
   }
 }
 
 ExitStatus list_tasks(const TasksArguments& arguments) {
   const Plan plan = arguments.study.plan();
-  const SchedulerConfig config{1, arguments.until.stage(), arguments.study.words(), {}};
-  for (const Node* node : missing_nodes(plan, config)) {
+  for (const Node* node : missing_nodes(plan, arguments.until)) {
     if (!has_inputs(plan, *node)) continue;
-    const std::vector<std::string> command = stage_command(config, *node);
+    const std::vector<std::string> command = stage_command(plan, *node);
     if (node->stage == Stage::simulate) {
       print_shards(plan, *node, command, arguments.shards_per_task);
     } else {
       print_task(command, "");
-      print_helpers(plan, config, *node);
+      print_helpers(plan, *node);
     }
   }
   return ExitStatus::done;
@@ -78,7 +77,7 @@ ExitStatus list_tasks(const TasksArguments& arguments) {
 Action tasks_command(CLI::App& command) {
   auto arguments = std::make_shared<TasksArguments>();
   arguments->study.add_to(command);
-  arguments->until.add_to(command, "the last stage to list");
+  add_until_option(command, arguments->until, "the last stage to list");
   command.add_option("--shards-per-task", arguments->shards_per_task, "shards of a command")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));

@@ -5,10 +5,14 @@
 #include <memory>
 
 #include "core/error.h"
+#include "core/temporary_folder.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/remake.h"
 #include "pipeline/apps/verify.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/process/build_info.h"
+#include "pipeline/process/forked_trial.h"
 #include "pipeline/process/progress.h"
+#include "pipeline/run/run_stage.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -37,14 +41,54 @@ ExitStatus verify_rows(const std::string& path, const VerifyOptions& options) {
   return found.different.empty() ? ExitStatus::done : ExitStatus::failed;
 }
 
-ExitStatus verify_by_remake(const std::string& path, const StudyArguments& study) {
-  Remake remake(path, study.plan());
-  report_error(kProgram, "makes again " + remake.title());
-  const std::string difference = remake.difference_of_builds();
-  if (!difference.empty()) {
-    report_warning(kProgram, difference + "; bits may differ for that reason alone");
+std::string build_text(const auto& version, const auto& revision, const auto& instructions) {
+  return fmt::format("npdr {} ({}) for {}", version, revision, instructions);
+}
+
+// The artefact's node in the plan, with its inputs there.
+Node node_of(const std::filesystem::path& file, const ArtefactInfo& info, const Plan& plan) {
+  // A checkpoint has the key of what it becomes.
+  if (info.schema.name.ends_with("_checkpoint")) {
+    throw InputError(file.string() + ": a " + info.schema.name +
+                     ", must be what a stage made; run its study to the end");
   }
-  const bool is_same = remake.gives_same_bits();
+  const Node& node = plan.node_by_key(info.key);
+  require_inputs(plan, node);
+  return node;
+}
+
+// Makes the artefact again in a folder of its own; its inputs stay where the plan has them. Nothing
+// of it stays.
+bool gives_same_bits(const std::filesystem::path& file, Plan plan, Node node) {
+  const TemporaryFolder folder("npdr-remake", "what is made again is left there");
+  plan.work = WorkFolder(folder.path());
+  node.path = plan.work.artefact(name_of(node.stage), node.key);
+  try {
+    run_stage(plan, node);
+  } catch (const Checkpointed&) {
+    throw Error(file.string() + ": stopped on request before it was made again");
+  }
+  return content_digest(file) == content_digest(node.path);
+}
+
+ExitStatus verify_by_remake(const std::string& path, const StudyArguments& study) {
+  const Plan plan = study.plan();
+  try_to_read(path, [&] { content_digest(path); });
+  const ArtefactInfo info = read_artefact_info(path);
+  const Node node = node_of(path, info, plan);
+  const Provenance& made = info.provenance;
+  report_error(kProgram, fmt::format("makes again {}, which took {:.1f} s, {:.1f} core-seconds, "
+                                     "when it was made",
+                                     node.label(), made.cost.wall_seconds, made.cost.core_seconds));
+  const std::string maker =
+      build_text(made.creator_version, made.git_revision, made.instruction_set);
+  const std::string own = build_text(creator_version(), git_revision(), instruction_set());
+  if (maker != own) {
+    report_warning(kProgram, fmt::format("it was made by {}, this is {}; bits may differ for that "
+                                         "reason alone",
+                                         maker, own));
+  }
+  const bool is_same = gives_same_bits(path, plan, node);
   print_line("{}: made again, with {} bits", path, is_same ? "the same" : "OTHER");
   return is_same ? ExitStatus::done : ExitStatus::failed;
 }

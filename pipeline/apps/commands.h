@@ -2,6 +2,9 @@
 /// what the command does once they are read.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "pipeline/apps/command_line.h"
 
 namespace npdr::pipeline {
@@ -62,5 +65,14 @@ constexpr Command kCommands[] = {
     {"man", "the page for 'man', of all commands", &man_command},
     {"completion", "lines for a shell, which completes words of npdr with them",
      &completion_command}};
+
+/// The hidden command that the shells' lines call: `npdr __complete WORDS...`.
+constexpr const char* kCompleteCommand = "__complete";
+
+/// Words that the last of `words`, those of a command line behind "npdr", may become, a line each,
+/// with a tabulator and a description where there is one: commands of `app`, options of the
+/// command, values that are one of a few (set_choices()), methods of the study that is named. None:
+/// names of files, which shells complete.
+std::string completions(CLI::App& app, const std::vector<std::string>& words);
 
 }  // namespace npdr::pipeline

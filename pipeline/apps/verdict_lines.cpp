@@ -41,7 +41,7 @@ void warn_of_failed_checks(const Plan& plan, const std::string& method) {
   const std::optional<CheckSummary> checks = reported_checks(plan, method);
   if (!checks && !plan.study.diagnose_of(plan.study.method(method)).checks.empty()) {
     fmt::print(stderr, "note: no report says whether the checks of {} pass; make it: {}\n",
-               printable_line(method), printable_line(plan.command));
+               printable_line(method), printable_line(plan.command()));
   }
   if (!checks || checks->failed.empty()) return;
   print_warning(printable_line(words_of(*checks) +

@@ -18,8 +18,7 @@ struct Channels {
 Channels channels_of(const sim::SimulatorInfo& info);
 
 /// Throws InputError unless `found` are the `expected` channels in their order; says what was found
-/// and what is expected, and whether only the order or a unit differs. `where` (a file and what the
-/// channels are of) begins the message.
+/// and what is expected. `where` (a file and what the channels are of) begins the message.
 void check_channels(const std::string& where, const std::vector<Channel>& found,
                     const std::vector<Channel>& expected);
 

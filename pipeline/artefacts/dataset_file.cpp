@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -17,11 +17,21 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr Index kBlock = 4096;  // rows that are read or written at once
+constexpr Index kBlock = 4096;  // rows that are written at once
+
+// `num_rows`: -1 for any number, 1 or more.
+void require_table(const h5::Dataset& dataset, Index num_rows) {
+  dataset.require_shape({num_rows, -1});
+  if (dataset.num_rows() < 1 || dataset.row_size() < 1) {
+    throw InputError(dataset.where() + " is empty");
+  }
+  dataset.require_readable(h5::ElementType::f64);
+  const std::vector<Index> first = {0};
+  read_rows_at(dataset, first, {});
+}
 
 // With the names that theta must have.
 std::vector<Channel> all_parameters(const h5::Dataset& theta) {
-  theta.require_shape({-1, -1});
   std::vector<Channel> named = column_channels(theta, theta.row_size());
   if (named.empty()) {
     throw InputError(theta.where() +
@@ -32,94 +42,6 @@ std::vector<Channel> all_parameters(const h5::Dataset& theta) {
     if (parameter.unit.empty()) parameter.unit = "1";
   }
   return named;
-}
-
-// Those that are wanted, in this order; all where none is.
-std::vector<Index> theta_columns(const h5::Dataset& theta, const std::vector<Channel>& present,
-                                 const std::vector<std::string>& wanted) {
-  std::vector<Index> columns;
-  if (wanted.empty()) {
-    columns.resize(present.size());
-    std::iota(columns.begin(), columns.end(), Index{0});
-  }
-  for (const std::string& name : wanted) {
-    const auto column = std::ranges::find(present, name, &Channel::label);
-    if (column == present.end()) {
-      std::vector<std::string> labels;
-      for (const Channel& parameter : present) labels.push_back(parameter.label);
-      throw InputError(theta.where() + ": " +
-                       missing_name("parameter", name, few_shortened(labels)));
-    }
-    columns.push_back(column - present.begin());
-  }
-  return columns;
-}
-
-std::vector<Channel> all_features(const h5::Dataset& x) {
-  x.require_shape({-1, -1});
-  const std::vector<Channel> named = column_channels(x, x.row_size());
-  return named.empty() ? numbered_features(x.row_size()) : named;
-}
-
-void check(const h5::File& file) {
-  const h5::Dataset theta = file.dataset("theta");
-  const h5::Dataset x = file.dataset("x");
-  theta.require_shape({-1, -1});
-  if (theta.num_rows() < 1 || theta.row_size() < 1) throw InputError(theta.where() + " is empty");
-  x.require_shape({theta.num_rows(), -1});
-  if (x.row_size() < 1) throw InputError(x.where() + " is empty");
-  theta.require_readable(h5::ElementType::f64);
-  x.require_readable(h5::ElementType::f64);
-  std::vector<double> row(static_cast<std::size_t>(std::max(theta.row_size(), x.row_size())));
-  theta.read_rows<double>(0, 1, std::span(row).first(static_cast<std::size_t>(theta.row_size())));
-  x.read_rows<double>(0, 1, std::span(row).first(static_cast<std::size_t>(x.row_size())));
-  all_parameters(theta);
-  all_features(x);
-}
-
-h5::File open_checked(const std::filesystem::path& path) {
-  read_from_outside(path, check);
-  return h5::File::open(path);
-}
-
-// How far apart rows may lie that are read at once: what lies between is faster read than skipped.
-constexpr Index kNear = 16;
-
-// Rows of a file by their positions in it, in another order of theirs.
-struct RowOrder {
-  std::span<const Index> rows;
-  std::vector<std::size_t> ascending;  // of them
-
-  explicit RowOrder(std::span<const Index> given) : rows(given), ascending(given.size()) {
-    std::iota(ascending.begin(), ascending.end(), std::size_t{0});
-    std::ranges::sort(ascending, {}, [&](std::size_t i) { return rows[i]; });
-  }
-  Index at(std::size_t k) const { return rows[ascending[k]]; }
-  // One past those from the `begin`th on that are read at once.
-  std::size_t end_of_block(std::size_t begin) const {
-    std::size_t end = begin + 1;
-    while (end < ascending.size() && at(end) - at(end - 1) <= kNear && at(end) - at(begin) < kBlock)
-      ++end;
-    return end;
-  }
-};
-
-// Some columns of rows at some positions.
-RowMatrix read_at(const h5::Dataset& dataset, std::span<const Index> rows,
-                  const std::vector<Index>& columns) {
-  RowMatrix picked(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
-  const RowOrder order(rows);
-  RowMatrix block;
-  for (std::size_t k = 0; k < rows.size();) {
-    const std::size_t end = order.end_of_block(k);
-    const Index begin = order.at(k), count = order.at(end - 1) + 1 - begin;
-    block.resize(count, dataset.row_size());
-    dataset.read_rows<double>(begin, count, {block.data(), static_cast<std::size_t>(block.size())});
-    for (; k < end; ++k) {
-      picked.row(static_cast<Index>(order.ascending[k])) = block(order.at(k) - begin, columns);
-    }
-  }
-  return picked;
 }
 
 // The rows of a file, after they have been read to the end.
@@ -171,17 +93,26 @@ void copy_table(NumberTable& table, h5::Dataset& dataset, const Inspect& inspect
 DatasetFile::DatasetFile(const std::filesystem::path& path,
                          const std::vector<std::string>& parameters,
                          const std::vector<Channel>& features)
-    : file_(open_checked(path)),
-      theta_(file_.dataset("theta")),
-      x_(file_.dataset("x")),
-      features_(all_features(x_)) {
+    : DatasetFile(read_from_outside(path, [&](h5::File file) {
+        return DatasetFile(std::move(file), parameters, features);
+      })) {}
+
+DatasetFile::DatasetFile(h5::File file, const std::vector<std::string>& parameters,
+                         const std::vector<Channel>& features)
+    : file_(std::move(file)), theta_(file_.dataset("theta")), x_(file_.dataset("x")) {
+  require_table(theta_, -1);
+  require_table(x_, theta_.num_rows());
   const std::vector<Channel> present = all_parameters(theta_);
-  theta_columns_ = theta_columns(theta_, present, parameters);
+  std::vector<Channel> wanted;
+  for (const std::string& name : parameters) wanted.push_back({name, "1"});
+  theta_columns_ = wanted.empty() ? all_columns(std::ssize(present))
+                                  : find_columns(theta_.where(), present, wanted);
   for (const Index column : theta_columns_) {
     parameters_.push_back(present[static_cast<std::size_t>(column)]);
   }
-  x_columns_.resize(features_.size());
-  std::iota(x_columns_.begin(), x_columns_.end(), Index{0});
+  features_ = column_channels(x_, x_.row_size());
+  if (features_.empty()) features_ = numbered_features(x_.row_size());
+  x_columns_ = all_columns(x_.row_size());
   if (features.empty()) return;
   if (x_.has_attribute("labels")) {
     x_columns_ = match_columns(x_.where(), features_, features);
@@ -194,7 +125,7 @@ DatasetFile::DatasetFile(const std::filesystem::path& path,
 }
 
 RowMatrix DatasetFile::theta(std::span<const Index> rows) const {
-  RowMatrix values = read_at(theta_, rows, theta_columns_);
+  RowMatrix values = read_rows_at(theta_, rows, theta_columns_);
   for (Index i = 0; i < values.rows(); ++i) {
     for (Index d = 0; d < values.cols(); ++d) {
       if (std::isfinite(values(i, d))) continue;
@@ -207,7 +138,7 @@ RowMatrix DatasetFile::theta(std::span<const Index> rows) const {
 }
 
 RowMatrix DatasetFile::x(std::span<const Index> rows) const {
-  return read_at(x_, rows, x_columns_);
+  return read_rows_at(x_, rows, x_columns_);
 }
 
 DatasetCounts import_dataset(const std::filesystem::path& theta, const std::filesystem::path& x,

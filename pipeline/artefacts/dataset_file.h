@@ -38,6 +38,9 @@ class DatasetFile {
   RowMatrix x(std::span<const Index> rows) const;
 
  private:
+  DatasetFile(h5::File file, const std::vector<std::string>& parameters,
+              const std::vector<Channel>& features);
+
   h5::File file_;
   h5::Dataset theta_;
   h5::Dataset x_;

@@ -1,5 +1,8 @@
 #include "pipeline/artefacts/diagnosis_file.h"
 
+#include <fmt/format.h>
+
+#include "core/error.h"
 #include "pipeline/artefacts/described_artefact.h"
 
 namespace npdr::pipeline {
@@ -104,6 +107,13 @@ void describe(Layout f, inference::TrainingCheck& check, Index& max_epochs) {
               "of the validation loss in the last tenth of the epochs [nats]");
 }
 
+bool are_within(const inference::CalibrationRanks& ranks) {
+  const auto counts = [&](const auto& of_all) {
+    return (of_all.array() >= 0).all() && (of_all.array() <= ranks.num_samples).all();
+  };
+  return counts(ranks.parameter) && counts(ranks.density) && counts(ranks.distance);
+}
+
 }  // namespace
 
 std::map<std::string, double> Diagnosis::p_values() const {
@@ -135,5 +145,32 @@ void describe(Layout f, Diagnosis& d) {
   if (auto group = f.group("training", d.training)) describe(*group, *d.training, d.max_epochs);
 }
 template struct Artefact<Diagnosis>;
+
+void describe(Layout f, DiagnosisCheckpoint& checkpoint) {
+  inference::CalibrationRanks& ranks = checkpoint.ranks;
+  if (f.writes()) ranks.resize(ranks.num_done, ranks.theta.cols());
+  f.attribute("num_samples", ranks.num_samples, "of each posterior");
+  f.attribute("num_done", ranks.num_done, "simulations whose truths are ranked");
+  const Dims dims = {kRow, kParameter};
+  f("parameter", ranks.parameter, dims, "how many samples are smaller than the truth");
+  f("density", ranks.density, {kRow}, "how many are more likely");
+  f("distance", ranks.distance, {kRow}, "how many are nearer to a random draw of the prior");
+  f("theta", ranks.theta, dims, "one sample of each posterior", kFinite);
+  f("log_prob", ranks.log_prob, {kRow}, "density of the truths [nats]; may be NaN");
+}
+template struct Artefact<DiagnosisCheckpoint>;
+
+DiagnosisCheckpoint read_diagnosis_checkpoint(const ArtefactFile& artefact, const RowMatrix& theta,
+                                              Index num_samples) {
+  const auto found = kDiagnosisCheckpointSchema.read_if_there(artefact);
+  if (!found) return {{.num_samples = num_samples}, {}};
+  const inference::CalibrationRanks& ranks = found->ranks;
+  if (ranks.num_samples == num_samples && ranks.theta.cols() == theta.cols() &&
+      ranks.num_done == ranks.theta.rows() && ranks.num_done <= theta.rows() && are_within(ranks)) {
+    return *found;
+  }
+  throw InputError(fmt::format("{}: not of this diagnosis, or damaged; remove this file",
+                               artefact.path.string()));
+}
 
 }  // namespace npdr::pipeline

@@ -1,4 +1,5 @@
-/// Diagnosis artefacts: what the checks of a method's posteriors have found, a group per check.
+/// Diagnosis artefacts: what the checks of a method's posteriors have found, a group per check; and
+/// checkpoints, the ranks that an interrupted one goes on from.
 #pragma once
 
 #include <map>
@@ -6,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "inference/diagnostics/calibration.h"
 #include "inference/diagnostics/coverage.h"
 #include "inference/diagnostics/failure_dependence.h"
 #include "inference/diagnostics/local_c2st.h"
@@ -66,5 +68,16 @@ struct Diagnosis {
   std::map<std::string, double> p_values() const;
 };
 void describe(Layout f, Diagnosis& diagnosis);
+
+struct DiagnosisCheckpoint {
+  inference::CalibrationRanks ranks;
+  Cost cost;  ///< of the work that led here
+};
+void describe(Layout f, DiagnosisCheckpoint& checkpoint);
+
+/// Without any rank where there is no checkpoint. Throws InputError for one that is damaged, or not
+/// of simulations with these parameters (n, D), of whose posteriors `num_samples` are drawn.
+DiagnosisCheckpoint read_diagnosis_checkpoint(const ArtefactFile& artefact, const RowMatrix& theta,
+                                              Index num_samples);
 
 }  // namespace npdr::pipeline

@@ -1,10 +1,34 @@
 #include "pipeline/artefacts/evaluation_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "pipeline/artefacts/described_artefact.h"
 #include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
 namespace {
+
+std::vector<std::string> metrics_of(const Layout& f) { return f.those_there(all_measured_names()); }
+
+void describe(Layout f, PredictionScores& scores) {
+  const Dim channel{"C", "channel"}, level{"L", "level"};
+  f("crps", scores.crps, {channel}, "of the stored states, over the largest recorded magnitude");
+  f("coverage", scores.coverage, {level, channel},
+    "share of them within central bands of 10, 20, ..., 90 and 95 %");
+  f("noisy_crps", scores.noisy_crps, {channel}, "the same with observation noise, if there is any",
+    {.unless_empty = true});
+  f("noisy_coverage", scores.noisy_coverage, {level, channel}, "the same", {.unless_empty = true});
+  f("log_score", scores.log_score, {channel},
+    "log of the mean density of a state, over the largest recorded magnitude [nats], if all "
+    "channels have noise",
+    {.unless_empty = true});
+  f.attribute("share_as_seldom_within", scores.share_as_seldom_within,
+              "of the samples, whose own rollouts lie within the bands of 90 % as seldom as the "
+              "recorded ones");
+  f.attribute("num_compared", scores.num_compared, "samples, of which that is a share");
+}
 
 struct References {
   std::vector<std::string> names;
@@ -56,10 +80,44 @@ void describe(Layout f, InferredNoise& noise) {
     {.unless_empty = true});
 }
 
+// The points' columns, and scores by point.
+struct Columns {
+  std::vector<std::string> names;
+  RowMatrix theta;
+  std::map<std::string, Vector> metrics;
+  std::vector<RolloutScores> scores;
+};
+
+void describe(Layout f, PriorPredictions& prior) {
+  f.each(prior.metrics, metrics_of(f), {{"S", "row"}},
+         "metrics of S draws of the prior; NaN where the rollouts failed");
+  describe(f, prior.scores);
+}
+
+void describe(Layout f, Columns& c, const std::vector<inference::Marginal>& prior,
+              std::optional<PriorPredictions>& predictions) {
+  f("name", c.names, {{"n"}},
+    "`nominal`; the study's references; then `truth` for a simulated target, or `floor` for a "
+    "recording with `evaluate.floor`");
+  f("theta", c.theta, {kRow, kParameter}, "their parameters").columns(prior);
+  f.each(c.metrics, metrics_of(f), {kRow},
+         "their metrics, named as in an [evaluation](#evaluation); NaN where the rollouts failed");
+  c.scores.resize(std::max<std::size_t>(1, c.names.size()));
+  for (std::size_t i = 0; i < c.scores.size(); ++i) {
+    describe(f.group(fmt::format("point_{}", i + 1)), c.scores[i]);
+  }
+  if (auto group = f.group("prior", predictions)) describe(*group, *predictions);
+}
+
 }  // namespace
 
+void describe(Layout f, RolloutScores& scores) {
+  if (auto seen = f.group("scores", scores.seen)) describe(*seen, *scores.seen);
+  if (auto rest = f.group("held_out_scores", scores.held_out)) describe(*rest, *scores.held_out);
+}
+
 void describe(Layout f, Evaluation& e) {
-  const std::vector<std::string> metrics = f.those_there(all_measured_names());
+  const std::vector<std::string> metrics = metrics_of(f);
   f("theta", e.theta, {kRow, kParameter}, "posterior samples").columns(e.parameters);
   f("log_prob", e.log_prob, {kRow}, "their posterior density [nats]");
   f.each(e.metrics, metrics, {kRow},
@@ -85,5 +143,30 @@ void describe(Layout f, Evaluation& e) {
       .columns(e.features);
 }
 template struct Artefact<Evaluation>;
+
+void describe(Layout f, Baseline& baseline) {
+  const auto n = static_cast<Index>(baseline.points.size());
+  Columns columns{{}, RowMatrix(n, std::ssize(baseline.parameters)), {}, {}};
+  for (Index i = 0; i < n; ++i) {
+    const BaselinePoint& point = baseline.points[static_cast<std::size_t>(i)];
+    columns.names.push_back(point.name);
+    columns.theta.row(i) = point.theta.transpose();
+    for (const auto& [metric, value] : point.metrics) {
+      columns.metrics.try_emplace(metric, Vector(n)).first->second(i) = value;
+    }
+    columns.scores.push_back(point.scores);
+  }
+  describe(f, columns, baseline.parameters, baseline.prior);
+  if (!f.reads()) return;
+  for (Index i = 0; i < columns.theta.rows(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    baseline.points.push_back(
+        {columns.names[at], columns.theta.row(i).transpose(), {}, columns.scores[at]});
+    for (const auto& [metric, values] : columns.metrics) {
+      baseline.points.back().metrics[metric] = values(i);
+    }
+  }
+}
+template struct Artefact<Baseline>;
 
 }  // namespace npdr::pipeline

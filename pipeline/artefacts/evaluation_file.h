@@ -1,17 +1,50 @@
-/// Evaluation artefacts: posterior samples, their densities and how well they predict.
+/// Evaluation artefacts: posterior samples, their densities and how well they predict; and baseline
+/// artefacts: what single parameter vectors, and the prior, reach, to compare posteriors with.
 #pragma once
 
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "analysis/quantiles.h"
 #include "inference/posterior.h"
 #include "inference/prior.h"
-#include "pipeline/artefacts/prediction_scores.h"
+#include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
+
+/// Levels of the bands whose coverage is kept, (L).
+inline const std::vector<double> kBandLevels = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95};
+
+/// Of those, the one by which an observation is compared with the samples' own.
+inline constexpr double kJudgedBand = 0.9;
+
+/// How well posterior samples predict rollouts (analysis/predictive_scores.h), by channel; with
+/// observation noise, where the study has any.
+struct PredictionScores {
+  Vector crps;               ///< (C)
+  RowMatrix coverage;        ///< (L, C)
+  Vector noisy_crps;         ///< (C); empty: there is no noise
+  RowMatrix noisy_coverage;  ///< (L, C)
+  Vector log_score;          ///< (C) [nats]; empty: a channel has no noise
+  /// Share of num_compared samples that would, with noise where there is any, be within bands of
+  /// kJudgedBand as seldom as what was recorded (analysis::compare_coverage): 0 says that
+  /// predictions are too narrow.
+  double share_as_seldom_within = 1.0;
+  Index num_compared = 0;
+};
+
+/// Of the rollouts that inference saw and, where there are any, of those that were held out; empty
+/// for features.
+struct RolloutScores {
+  std::optional<PredictionScores> seen;
+  std::optional<PredictionScores> held_out;
+};
+
+/// The groups `scores` and `held_out_scores`.
+void describe(Layout f, RolloutScores& scores);
 
 /// Parameters of the noise that a posterior's predictions are given (sim/noise_model.h), of each
 /// sample and channel; NaN of samples that failed.
@@ -41,5 +74,25 @@ struct Evaluation {
   std::vector<Channel> features = {};                ///< of x's columns; not read
 };
 void describe(Layout f, Evaluation& evaluation);
+
+struct BaselinePoint {
+  std::string name;
+  Vector theta;                           ///< (D)
+  std::map<std::string, double> metrics;  ///< NaN when the rollout failed
+  RolloutScores scores = {};              ///< of its rollouts alone
+};
+
+/// Predictions by draws of the prior.
+struct PriorPredictions {
+  std::map<std::string, Vector> metrics;  ///< (n) each; NaN where the rollouts failed
+  RolloutScores scores = {};
+};
+
+struct Baseline {
+  std::vector<BaselinePoint> points;
+  std::optional<PriorPredictions> prior;             ///< none of a dataset
+  std::vector<inference::Marginal> parameters = {};  ///< of theta's columns; not read
+};
+void describe(Layout f, Baseline& baseline);
 
 }  // namespace npdr::pipeline

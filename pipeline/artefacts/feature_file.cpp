@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "core/error.h"
 #include "core/feature_names.h"
@@ -30,16 +28,6 @@ struct Expected {
   FeatureDemands demands;
 };
 
-// Where x_o has no names, a file that names its columns can't be matched.
-void require_numbered(const std::string& where, const std::vector<Channel>& named,
-                      const std::vector<Channel>& expected) {
-  if (std::ranges::is_permutation(named, expected, {}, &Channel::label, &Channel::label)) return;
-  throw InputError(fmt::format(
-      "{}: its columns are named {}, those of x_o have no names, must both have the same or none; "
-      "give x_o a header, or say the columns' order with simulator.features",
-      where, join(few_shortened(feature_names(named)))));
-}
-
 FeatureColumns columns_of(const std::string& where, Index num_columns,
                           const std::vector<Channel>& named, const Expected& wanted) {
   const std::vector<Channel>& expected = wanted.features;
@@ -49,11 +37,7 @@ FeatureColumns columns_of(const std::string& where, Index num_columns,
         "their order with simulator.features",
         where, join(few_shortened(feature_names(expected)))));
   }
-  if (!named.empty() && !expected.empty()) {
-    const bool is_numbered = wanted.demands.names_from == NamesFrom::nobody;
-    if (is_numbered && named.size() == expected.size()) require_numbered(where, named, expected);
-    return {expected, match_columns(where, named, expected)};
-  }
+  if (!named.empty() && !expected.empty()) return {expected, match_columns(where, named, expected)};
   FeatureColumns found{expected, {}};
   if (expected.empty()) found.features = named.empty() ? numbered_features(num_columns) : named;
   if (num_columns != static_cast<Index>(found.features.size())) {
@@ -61,8 +45,7 @@ FeatureColumns columns_of(const std::string& where, Index num_columns,
                                  counted(num_columns, "column"), found.features.size(),
                                  join(feature_names(found.features))));
   }
-  found.columns.resize(found.features.size());
-  std::iota(found.columns.begin(), found.columns.end(), Index{0});
+  found.columns = all_columns(num_columns);
   return found;
 }
 

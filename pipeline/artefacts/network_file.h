@@ -1,13 +1,29 @@
-/// The networks of a posterior artefact, by layers that have names: the groups `network_1`, ...
+/// The networks of a posterior artefact, by layers that have names: the groups `network_1`, ...;
+/// and checkpoints, what their interrupted training goes on from.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "inference/network_posterior.h"
+#include "inference/training/trainer.h"
 #include "pipeline/artefacts/layout.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/config/study_json.h"
+#include "pipeline/store/hostile_json.h"
 
 namespace npdr::pipeline {
+
+/// Settings as an attribute: JSON, as in the resolved study.
+template <class Config>
+void describe_json(Layout f, const std::string& name, Config& config, const char* meaning) {
+  std::string text = to_json(config).dump();
+  f.attribute(name, text, meaning);
+  if (f.reads()) {
+    const std::string where = f.where() + ": attribute '" + name + "'";
+    config = from_json<Config>(parse_json(text, where), where);
+  }
+}
 
 /// What the network is, as attributes of the file: role, settings, what its structure depends on.
 void describe_architecture(Layout f, inference::NetworkParts& parts);
@@ -20,5 +36,12 @@ std::vector<Index> networks_there(const Layout& f);
 /// The layers of the networks of such an architecture, prior and transform: their parameters.
 /// Throws InputError for a file that doesn't hold as many weights as its architecture has.
 void describe_layers(Layout f, inference::NetworkParts& parts);
+
+/// States that interrupted trainings go on from.
+struct TrainingCheckpoint {
+  std::vector<inference::TrainingState> trainings;  ///< one a network; empty: not begun
+  Cost cost;                                        ///< of the work that led here
+};
+void describe(Layout f, TrainingCheckpoint& checkpoint);
 
 }  // namespace npdr::pipeline

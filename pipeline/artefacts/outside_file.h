@@ -6,6 +6,8 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
+#include <vector>
 
 #include "pipeline/process/forked_trial.h"
 #include "pipeline/store/h5.h"
@@ -22,5 +24,12 @@ auto read_from_outside(const std::filesystem::path& path, const Read& read) {
 
 /// A dataset whose values lie in the file itself. Throws InputError for one of another file's rows.
 h5::Dataset own_dataset(const h5::Group& group, const std::string& name);
+
+/// 0, 1, ..., count - 1.
+std::vector<Index> all_columns(Index count);
+
+/// Some columns of rows at some positions, in any order. Throws InputError.
+RowMatrix read_rows_at(const h5::Dataset& dataset, std::span<const Index> rows,
+                       const std::vector<Index>& columns);
 
 }  // namespace npdr::pipeline

@@ -3,22 +3,17 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pipeline/artefacts/layout_tables.h"
-#include "pipeline/config/constraint.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kNormalPrior = "normal_prior";
-constexpr const char* kTheta = "theta";
-
 inference::ParticleSpace parse_space(const std::string& where, const std::string& name) {
-  const Constraint<std::string> allowed = one_of({kNormalPrior, kTheta});
-  if (!satisfies(name, allowed)) {
-    throw InputError(where + ": " +
-                     must_be("attribute 'space'", quoted(name), allowed.words, allowed.names));
-  }
-  return name == kTheta ? inference::ParticleSpace::theta : inference::ParticleSpace::normal_prior;
+  if (name == "normal_prior") return inference::ParticleSpace::normal_prior;
+  if (name == "theta") return inference::ParticleSpace::theta;
+  throw InputError(where + ": " +
+                   must_be("attribute 'space'", quoted(name), "normal_prior or theta"));
 }
 
 void describe_algorithm(Layout f, std::string name) {
@@ -27,7 +22,7 @@ void describe_algorithm(Layout f, std::string name) {
 
 void describe(Layout f, inference::ParticleParts& parts) {
   Layout group = f.group("particles");
-  std::string space = parts.space == inference::ParticleSpace::theta ? kTheta : kNormalPrior;
+  std::string space = parts.space == inference::ParticleSpace::theta ? "theta" : "normal_prior";
   group.attribute("space", space, "where densities are estimated: `normal_prior` (u) or `theta`");
   if (f.reads()) parts.space = parse_space(group.where(), space);
   group.attribute("smooth", parts.smooth, "1: samples are moved by a draw of the kernel");

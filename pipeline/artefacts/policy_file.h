@@ -1,5 +1,6 @@
 /// Policy artefacts: what a search has found, and how it got there. A checkpoint holds the same for
-/// the iterations that are done, the state of the optimizer and the cost so far.
+/// the iterations that are done, the state of the optimizer and the cost so far. A test artefact
+/// says what a policy does in the target domain, and where it still works.
 #pragma once
 
 #include <optional>
@@ -7,6 +8,7 @@
 #include "inference/policy_search/policy_optimizer.h"
 #include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/config/study.h"
 #include "sim/policy_evaluation.h"
 #include "sim/policy_task.h"
 
@@ -48,5 +50,23 @@ struct PolicyCheckpoint {
   Cost cost;
 };
 void describe(Layout f, PolicyCheckpoint& checkpoint);
+
+/// Rollouts of one policy, from n initial states each.
+struct PolicyOutcomes {
+  RowMatrix returns;  ///< (rows, n)
+  RowMatrix success;  ///< (rows, n) 1 or 0
+};
+
+struct PolicyTest {
+  Vector policy;                         ///< (Q)
+  RowMatrix initial_states;              ///< (n, C)
+  std::optional<PolicyOutcomes> target;  ///< one row
+  std::optional<PolicyOutcomes> grid;    ///< X Y rows: row (x Y + y) is point (x, y)
+  // Words and columns of the file; of these only what a success means is read.
+  sim::PolicyTaskInfo info = {};
+  std::vector<Channel> states = {};
+  PolicyGrid axes = {};
+};
+void describe(Layout f, PolicyTest& test);
 
 }  // namespace npdr::pipeline

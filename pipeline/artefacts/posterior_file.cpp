@@ -9,7 +9,6 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "inference/pooled_posterior.h"
-#include "pipeline/artefacts/json_attribute.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/particle_file.h"

@@ -45,12 +45,6 @@ double PowerScores::as_good_as_any() const {
   return best + std::max(as_good * best, standard_error(least()));
 }
 
-double PowerScores::largest_as_good() const {
-  Index k = power.size() - 1;
-  while (!(crps.row(k).mean() <= as_good_as_any()) && k > 0) --k;
-  return power(k);
-}
-
 double PowerScores::standard_error(Index power_number) const {
   const auto of_rollouts = crps.row(power_number).array();
   const auto count = static_cast<double>(crps.cols());

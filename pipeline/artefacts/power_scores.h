@@ -17,8 +17,6 @@ struct PowerScores {
   /// The score up to which a power predicts about as well as the best: worse by its standard error,
   /// or by 1 %. Of two or more rollouts.
   double as_good_as_any() const;
-  /// The largest power of such a score.
-  double largest_as_good() const;
   /// Whether powers up to `most` that are larger than all of these might be better still.
   bool ends_at_least(double most) const;
   /// The standard error of a power's mean over rollouts, of two or more.

@@ -6,9 +6,12 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
-#include "core/printable.h"
 #include "core/text.h"
+#include "pipeline/artefacts/feature_file.h"
+#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/outside_file.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/store/artefact.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/h5.h"
 #include "pipeline/store/hash.h"
@@ -51,25 +54,10 @@ void require_short_texts(const std::string& where, const Target& target) {
 }
 
 std::vector<Channel> read_channels(const h5::Dataset& dataset) {
-  auto labels = dataset.attribute<std::vector<std::string>>("labels");
-  auto units = dataset.attribute<std::vector<std::string>>("units");
-  for (auto* texts : {&labels, &units}) {
-    for (std::string& text : *texts) text = printable_line(text);  // not every program's are UTF-8
+  for (const char* name : {"labels", "units"}) {
+    (void)dataset.attribute<std::vector<std::string>>(name);  // must be there
   }
-  const auto count = static_cast<std::size_t>(dataset.shape()[2]);
-  if (labels.size() != count || units.size() != count) {
-    throw InputError(fmt::format("{} has {} channels, but {} labels and {} units", dataset.where(),
-                                 count, labels.size(), units.size()));
-  }
-  std::vector<Channel> channels;
-  for (std::size_t c = 0; c < count; ++c) {
-    if (std::ranges::find(labels.begin(), labels.begin() + std::ptrdiff_t(c), labels[c]) !=
-        labels.begin() + std::ptrdiff_t(c)) {
-      throw InputError(fmt::format("{} has two channels with the label '{}'; rename one",
-                                   dataset.where(), labels[c]));
-    }
-    channels.push_back({labels[c], units[c]});
-  }
+  const std::vector<Channel> channels = column_channels(dataset, dataset.shape()[2]);
   require_short(dataset.where(), channels);
   return channels;
 }
@@ -105,8 +93,8 @@ RowMatrix read_rollout(const h5::Dataset& dataset, Index h, const std::vector<In
   return values(Eigen::all, columns);
 }
 
-void write_rollouts(h5::File& file, const Target& target, const std::string& name,
-                    RowMatrix Rollout::*values, const std::vector<Channel>& channels) {
+void write_values(h5::File& file, const Target& target, const std::string& name,
+                  RowMatrix Rollout::*values, const std::vector<Channel>& channels) {
   const RowMatrix& first = target.rollouts.front().*values;
   h5::Dataset dataset = file.create_dataset(name, h5::ElementType::f64,
                                             {target.num_rollouts(), first.rows(), first.cols()});
@@ -130,6 +118,36 @@ void add_matrix(Hasher& hasher, const RowMatrix& values) {
   hasher.add(static_cast<std::int64_t>(values.rows()));
   hasher.add(static_cast<std::int64_t>(values.cols()));
   hasher.add_bytes(values.data(), static_cast<std::size_t>(values.size()) * sizeof(double));
+}
+
+void describe(Layout f, RowMatrix x, Target target) {
+  f("x", x, {{"1", "row"}, kFeature}, "x_o").columns(target.state_channels);
+  f.attribute("source", target.source, "where it comes from");
+}
+
+// Far more than anybody simulates: the noise of all up to the largest is drawn.
+constexpr std::int64_t kMostRollouts = 1'000'000;
+
+void describe_numbers(Layout f, std::vector<std::int64_t>& numbers) {
+  f("number", numbers, {{"H", "rollout"}},
+    "of a simulated truth's rollout, held-out ones and those that policies collect counted, too; 0 "
+    "of a recording's");
+}
+
+void read_numbers(const h5::File& file, Target& target) {
+  std::vector<std::int64_t> numbers;
+  describe_numbers(Layout::reader(file), numbers);
+  if (std::ssize(numbers) != target.num_rollouts()) {
+    throw InputError(fmt::format("{}: 'number' has {} values, but there are {} rollouts",
+                                 file.where(), numbers.size(), target.num_rollouts()));
+  }
+  for (std::size_t h = 0; h < numbers.size(); ++h) {
+    if (numbers[h] < 0 || numbers[h] >= kMostRollouts) {
+      throw InputError(fmt::format("{}: 'number' holds {}, must be >= 0 and < {}", file.where(),
+                                   numbers[h], kMostRollouts));
+    }
+    target.rollouts[h].number = numbers[h];
+  }
 }
 
 }  // namespace
@@ -195,8 +213,8 @@ void write_recording(const Target& target, const std::filesystem::path& path) {
 void write_target(h5::File& file, const Target& target) {
   file.set_attribute("dt", target.dt);
   file.set_attribute("source", target.source);
-  write_rollouts(file, target, "states", &Rollout::states, target.state_channels);
-  write_rollouts(file, target, "actions", &Rollout::actions, target.action_channels);
+  write_values(file, target, "states", &Rollout::states, target.state_channels);
+  write_values(file, target, "actions", &Rollout::actions, target.action_channels);
   std::vector<std::string> names;
   for (const Rollout& rollout : target.rollouts) names.push_back(rollout.name);
   file.write_texts("rollout", names);
@@ -213,6 +231,39 @@ std::string content_hash(const Target& target) {
     add_matrix(hasher, rollout.actions);
   }
   return hasher.hex();
+}
+
+void write_rollouts(h5::File& file, const Target& target) {
+  write_target(file, target);
+  std::vector<std::int64_t> numbers;
+  for (const Rollout& rollout : target.rollouts) numbers.push_back(rollout.number);
+  describe_numbers(Layout::writer(file), numbers);
+}
+
+void list_target(Layout f) {
+  std::vector<std::int64_t> none;
+  describe_numbers(f, none);
+}
+
+void write_observation(h5::File& file, const Target& target) {
+  describe(Layout::writer(file), target.rollouts.front().states.bottomRows(1), target);
+}
+
+void list_observation(Layout f) { describe(f, RowMatrix(), Target()); }
+
+Target read_target_artefact(const ArtefactFile& target) {
+  const h5::File file = open_artefact(target, kTargetSchema);
+  if (!file.has("x")) {
+    Target rollouts = read_rollouts(file).target;
+    read_numbers(file, rollouts);
+    return rollouts;
+  }
+  const RowMatrix x = file.read_matrix<double>("x", 1, -1, h5::Values::finite);
+  const std::vector<Channel> features = column_channels(file.dataset("x"), x.cols());
+  if (std::ssize(features) != x.cols()) {
+    throw InputError(file.where() + ": dataset 'x' has no labels; rerun stage 'target'");
+  }
+  return observation_target(features, x.row(0).transpose(), target.path.filename().string());
 }
 
 }  // namespace npdr::pipeline

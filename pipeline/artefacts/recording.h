@@ -1,4 +1,5 @@
-/// Recordings: the HDF5 files that hold a target domain's rollouts.
+/// Recordings: the HDF5 files that hold a target domain's rollouts; and target artefacts, which
+/// hold the same or, where the simulator gives features, x_o.
 ///
 ///   states   (H, T+1, C) floats: the state before each action, and after the last
 ///   actions  (H, T, A) floats: what was applied during the step
@@ -16,6 +17,8 @@
 #include "pipeline/store/h5.h"
 
 namespace npdr::pipeline {
+
+struct ArtefactFile;
 
 /// Reads a recording. With `expected` channels (those of the simulator), these are picked by label
 /// and unit, in their order; further channels are left out, and one that is missing is an error.
@@ -47,5 +50,14 @@ void write_target(h5::File& file, const Target& target);
 
 /// 32 hexadecimal digits that depend on all values, channels and dt; not on names and the source.
 std::string content_hash(const Target& target);
+
+/// Writes rollouts with their numbers. Throws Error.
+void write_rollouts(h5::File& file, const Target& target);
+
+/// Writes x_o: the state after the only step of the only rollout. Throws Error.
+void write_observation(h5::File& file, const Target& target);
+
+/// The target, whichever of both it is. Throws InputError.
+Target read_target_artefact(const ArtefactFile& target);
 
 }  // namespace npdr::pipeline

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
+#include <span>
 
 #include "core/error.h"
 #include "core/shell_text.h"
@@ -54,16 +55,8 @@ SampleSet read_hdf5(const h5::File& file, const std::string& name, const Wanted&
   dataset.require_readable(h5::ElementType::f64);
   SampleSet set{dataset.where(), column_channels(dataset, dataset.row_size()), {}};
   const std::vector<Index> rows = wanted.of(dataset.num_rows());
-  set.rows.resize(std::ssize(rows), dataset.row_size());
-  const std::span<double> all(set.rows.data(), static_cast<std::size_t>(set.rows.size()));
-  if (set.rows.rows() == dataset.num_rows()) {
-    dataset.read_rows<double>(0, set.rows.rows(), all);
-  } else {
-    const auto width = static_cast<std::size_t>(dataset.row_size());
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      dataset.read_rows<double>(rows[i], 1, all.subspan(i * width, width));
-    }
-  }
+  set.rows = read_rows_at(dataset, rows, all_columns(dataset.row_size()));
+  const std::span<const double> all(set.rows.data(), static_cast<std::size_t>(set.rows.size()));
   dataset.require_finite<double>(all);
   return set;
 }

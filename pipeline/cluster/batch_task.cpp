@@ -4,7 +4,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -14,11 +13,11 @@
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "core/shell_text.h"
 #include "core/stop_request.h"
 #include "pipeline/cluster/slurm.h"
 #include "pipeline/cluster/task_log.h"
 #include "pipeline/process/batch_job.h"
-#include "pipeline/process/task_mark.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -60,31 +59,6 @@ int wait_for(pid_t pid) {
   return status_of(status);
 }
 
-bool succeeds(const std::vector<std::string>& command) {
-  int status = 0;
-  const pid_t pid = start(command);
-  while (waitpid(pid, &status, 0) < 0) {
-    if (errno != EINTR) return false;
-  }
-  return status == 0;
-}
-
-// A file that appears when a program of the task has made something; gone with the task.
-class Mark {
- public:
-  Mark() : path_(temporary_name(std::filesystem::temp_directory_path() / "npdr-task")) {
-    setenv(kTaskMark, path_.c_str(), 1);
-  }
-  ~Mark() { unlink(path_.c_str()); }
-  Mark(const Mark&) = delete;
-  Mark& operator=(const Mark&) = delete;
-
-  bool was_made() const { return access(path_.c_str(), F_OK) == 0; }
-
- private:
-  std::filesystem::path path_;
-};
-
 bool is_first_attempt() { return std::getenv("SLURM_RESTART_COUNT") == nullptr; }
 
 // Slurm ends this process once the job is queued again, at any instant from then on: an exit status
@@ -92,7 +66,7 @@ bool is_first_attempt() { return std::getenv("SLURM_RESTART_COUNT") == nullptr; 
 void queue_again() {
   std::signal(SIGTERM, SIG_DFL);
   say("npdr task: asks to be queued again");
-  if (!succeeds(requeue_command(slurm_task_id()))) {
+  if (std::system(shell_text(requeue_command(slurm_task_id())).c_str()) != 0) {
     say("npdr task: Slurm doesn't queue this job again; 'npdr submit' goes on where it stopped");
     return;
   }
@@ -113,16 +87,19 @@ bool ran_out_of_time(int status) {
 
 int run_batch_task(const std::vector<std::string>& command) {
   watch_for_stop_requests();
-  const Mark mark;
+  // A file that appears when a program of the task has made something.
+  const std::filesystem::path mark =
+      temporary_name(std::filesystem::temp_directory_path() / "npdr-task");
+  setenv(kTaskMark, mark.c_str(), 1);
   say(begin_line(slurm_task_id(), command));
   const auto start_time = Clock::now();
   const int status = wait_for(start(command));
   const std::chrono::duration<double> elapsed = Clock::now() - start_time;
+  const bool any_made = unlink(mark.c_str()) == 0;
   const bool is_out_of_time = !slurm_task_id().empty() && ran_out_of_time(status);
-  if (is_out_of_time && !mark.was_made() && !is_first_attempt()) {
+  if (is_out_of_time && !any_made && !is_first_attempt()) {
     say("npdr task: nothing got done within the time limit of an attempt that isn't the first; "
-        "raise 'time' in the study's "
-        "[cluster], or lower simulate.shard_size");
+        "raise 'time' in the study's [cluster], or lower simulate.shard_size");
     say(end_line(static_cast<int>(ExitStatus::failed), elapsed.count()));
     return static_cast<int>(ExitStatus::failed);
   }

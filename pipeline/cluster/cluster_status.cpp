@@ -14,49 +14,28 @@
 namespace npdr::pipeline {
 namespace {
 
-// The newest entry that makes a node, or a shard of it.
-class Ledger {
- public:
-  explicit Ledger(const Plan& plan) : entries_(read_ledger(plan)) {}
+using Ledger = std::vector<LedgerEntry>;
 
-  const LedgerEntry* of_node(const std::string& key) const {
-    return newest([&](const LedgerEntry& entry) { return makes(entry, key); });
-  }
+// The newest entry whose job makes a node, or helps to, and that passes a test; none: nullptr.
+template <class Test>
+const LedgerEntry* newest(const Ledger& ledger, const Node& node, bool is_helper,
+                          const Test& test) {
+  const auto is_its = [&](const std::string& digits) { return node.key.starts_with(digits); };
+  const auto found = std::find_if(ledger.rbegin(), ledger.rend(), [&](const LedgerEntry& entry) {
+    return entry.tag.is_helper == is_helper && std::ranges::any_of(entry.tag.keys, is_its) &&
+           test(entry);
+  });
+  return found == ledger.rend() ? nullptr : &*found;
+}
 
-  const LedgerEntry* of_helpers(const std::string& key) const {
-    return newest(
-        [&](const LedgerEntry& entry) { return entry.tag.is_helper && is_about(entry, key); });
-  }
+// The array's task that makes a shard.
+Index task_of(const JobTag& tag, Index shard) {
+  return shard / tag.shards_per_task - tag.first_task;
+}
 
-  // The task, with its index in the array.
-  std::pair<const LedgerEntry*, Index> of_shard(const std::string& key, Index shard) const {
-    Index index = 0;
-    const LedgerEntry* found = newest([&](const LedgerEntry& entry) {
-      if (!makes(entry, key) || entry.tag.shards_per_task == 0) return false;
-      index = shard / entry.tag.shards_per_task - entry.tag.first_task;
-      return std::ranges::find(entry.tasks, index) != entry.tasks.end();
-    });
-    return {found, index};
-  }
-
- private:
-  static bool makes(const LedgerEntry& entry, const std::string& key) {
-    return !entry.tag.is_helper && is_about(entry, key);
-  }
-
-  static bool is_about(const LedgerEntry& entry, const std::string& key) {
-    return std::ranges::any_of(entry.tag.keys,
-                               [&](const std::string& digits) { return key.starts_with(digits); });
-  }
-
-  template <class Test>
-  const LedgerEntry* newest(const Test& test) const {
-    const auto found = std::find_if(entries_.rbegin(), entries_.rend(), test);
-    return found == entries_.rend() ? nullptr : &*found;
-  }
-
-  std::vector<LedgerEntry> entries_;
-};
+std::string task_id(const LedgerEntry& entry, Index index) {
+  return entry.job + "_" + std::to_string(index);
+}
 
 // A task that is over without its result: why, and where to read more. Empty for one that never
 // began because another one failed, or whose result has been removed since.
@@ -74,36 +53,37 @@ std::string failure_text(const LedgerEntry& entry, const std::string& id) {
   return fmt::format("job {}: {}; log: {}", id, reason, log.string());
 }
 
+// Of tasks that aren't queued any more: of the last ones that made the node, or its missing shards,
+// and of the helpers that were submitted last.
 void add_failures(const Plan& plan, const Node& node, const Ledger& ledger,
-                  const std::set<Index>& shards_in_flight, NodeJobs& jobs) {
+                  const std::vector<QueuedTask>& queued, const std::set<Index>& shards_in_flight,
+                  NodeJobs& jobs) {
   std::set<std::string> seen;
-  const auto add = [&](const LedgerEntry* entry, const std::string& id) {
-    if (entry == nullptr || !seen.insert(id).second) return;
-    const std::string text = failure_text(*entry, id);
-    if (!text.empty()) jobs.failed.push_back(text);
+  const auto add = [&](const LedgerEntry& entry, const std::string& id,
+                       std::vector<std::string>& failed) {
+    if (!seen.insert(id).second) return;
+    const std::string text = failure_text(entry, id);
+    if (!text.empty()) failed.push_back(text);
   };
-  if (node.stage != Stage::simulate) {
-    const LedgerEntry* entry = ledger.of_node(node.key);
-    if (entry != nullptr && jobs.waiting.empty() && jobs.running.empty()) add(entry, entry->job);
-    return;
+  const auto is_any = [](const LedgerEntry&) { return true; };
+  if (node.stage == Stage::simulate) {
+    for (const Index shard : missing_shards(plan, node)) {
+      if (shards_in_flight.contains(shard)) continue;
+      const LedgerEntry* const entry = newest(ledger, node, false, [&](const LedgerEntry& e) {
+        return e.tag.shards_per_task > 0 && std::ranges::count(e.tasks, task_of(e.tag, shard)) > 0;
+      });
+      if (entry != nullptr) add(*entry, task_id(*entry, task_of(entry->tag, shard)), jobs.failed);
+    }
+  } else if (jobs.waiting.empty() && jobs.running.empty()) {
+    const LedgerEntry* const entry = newest(ledger, node, false, is_any);
+    if (entry != nullptr) add(*entry, entry->job, jobs.failed);
   }
-  for (const Index shard : missing_shards(plan, node)) {
-    if (shards_in_flight.contains(shard)) continue;
-    const auto [entry, index] = ledger.of_shard(node.key, shard);
-    if (entry != nullptr) add(entry, entry->job + "_" + std::to_string(index));
-  }
-}
-
-// Of the helpers that were submitted last.
-void add_failed_helpers(const Ledger& ledger, const Node& node,
-                        const std::vector<QueuedTask>& queued, NodeJobs& jobs) {
-  const LedgerEntry* entry = ledger.of_helpers(node.key);
-  if (entry == nullptr) return;
-  for (const Index index : entry->tasks) {
-    const std::string id = entry->job + "_" + std::to_string(index);
-    if (std::ranges::find(queued, id, &QueuedTask::id) != queued.end()) continue;
-    const std::string text = failure_text(*entry, id);
-    if (!text.empty()) jobs.failed_helpers.push_back(text);
+  const LedgerEntry* const helpers = newest(ledger, node, true, is_any);
+  for (const Index index : helpers != nullptr ? helpers->tasks : std::vector<Index>{}) {
+    const std::string id = task_id(*helpers, index);
+    if (std::ranges::find(queued, id, &QueuedTask::id) == queued.end()) {
+      add(*helpers, id, jobs.failed_helpers);
+    }
   }
 }
 
@@ -119,24 +99,31 @@ std::string examples(const std::vector<QueuedTask>& tasks, bool with_node) {
 
 }  // namespace
 
-std::string NodeJobs::text() const {
-  std::string text;
+std::vector<std::string> NodeJobs::details() const {
+  std::vector<std::string> now;
   if (!running.empty()) {
-    text = fmt::format("{} running ({})", running.size(), examples(running, true));
+    now.push_back(fmt::format("{} running ({})", running.size(), examples(running, true)));
   }
   if (!waiting.empty()) {
-    text += fmt::format("{}{} queued ({}: {})", text.empty() ? "" : ", ", waiting.size(),
-                        examples(waiting, false), waiting.front().reason);
+    now.push_back(fmt::format("{} queued ({}: {})", waiting.size(), examples(waiting, false),
+                              waiting.front().reason));
   }
-  if (num_helpers > 0 && !text.empty()) text += ", " + counted(num_helpers, "helper");
-  return text;
+  if (num_helpers > 0 && !now.empty()) now.push_back(counted(num_helpers, "helper"));
+  std::vector<std::string> parts = {join(now)};
+  if (!failed.empty()) parts.push_back(failed.front());
+  if (failed.size() > 1) parts.push_back(fmt::format("{} more failed", failed.size() - 1));
+  if (!failed_helpers.empty()) {
+    parts.push_back(counted(std::ssize(failed_helpers), "helper") + " failed, " +
+                    failed_helpers.front());
+  }
+  return parts;
 }
 
 std::vector<std::optional<NodeJobs>> jobs_of_nodes(
     const Plan& plan, const std::optional<std::vector<QueuedTask>>& tasks) {
   std::vector<std::optional<NodeJobs>> found(plan.nodes.size());
   if (!tasks) return found;
-  const Ledger ledger(plan);
+  const Ledger ledger = read_ledger(plan);
   const std::vector<QueuedTask> ours = tasks_of(plan, *tasks);
   const std::vector<InFlight> flying = in_flight(plan, ours);
   for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
@@ -148,8 +135,7 @@ std::vector<std::optional<NodeJobs>> jobs_of_nodes(
       if (std::ranges::find(flying[i].jobs, task.job) == flying[i].jobs.end()) continue;
       (task.is_running() ? jobs.running : jobs.waiting).push_back(task);
     }
-    add_failures(plan, node, ledger, flying[i].shards, jobs);
-    add_failed_helpers(ledger, node, ours, jobs);
+    add_failures(plan, node, ledger, ours, flying[i].shards, jobs);
     if (!jobs.running.empty() || !jobs.waiting.empty() || !jobs.failed.empty() ||
         !jobs.failed_helpers.empty()) {
       found[i] = jobs;

@@ -17,9 +17,9 @@ struct NodeJobs {
   /// The same of helpers, without which an artefact is made all the same.
   std::vector<std::string> failed_helpers;
 
-  /// "2 running (17_3 on n1, ...), 5 queued (18, ...: Resources), 4 helpers"; failures are not in
-  /// it.
-  std::string text() const;
+  /// "2 running (17_3 on n1, ...), 5 queued (18, ...: Resources), 4 helpers"; the first of those
+  /// that failed, and how many more did.
+  std::vector<std::string> details() const;
 };
 
 /// For each node of the plan; none: no job has to do with it, or it is complete. `tasks`: those

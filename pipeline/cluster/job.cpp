@@ -15,7 +15,8 @@ bool is_preparation(const Node& node) {
   return traits_of(node.stage).resources == &ClusterConfig::prepare;
 }
 
-void add_once(std::vector<std::size_t>& list, std::size_t value) {
+template <class T>
+void add_once(std::vector<T>& list, const T& value) {
   if (std::ranges::find(list, value) == list.end()) list.push_back(value);
 }
 
@@ -63,9 +64,7 @@ class JobMaker {
       if (!is_missing_[need]) continue;
       for (const std::size_t other : jobs_of_[need]) add_once(job.needs, other);
       auto& waits = node(need).stage == Stage::simulate ? job.after_any : job.after_ok;
-      for (const std::string& id : input_.in_flight[need].jobs) {
-        if (std::ranges::find(waits, id) == waits.end()) waits.push_back(id);
-      }
+      for (const std::string& id : input_.in_flight[need].jobs) add_once(waits, id);
     }
   }
 
@@ -90,19 +89,16 @@ class JobMaker {
     Job waiting;
     wait_for_needs(i, waiting);
     const bool waits = !waiting.after_ok.empty() || !waiting.after_any.empty();
+    std::optional<std::size_t> job;
     if (!waits && waiting.needs.size() == 1 && has_room(waiting.needs.front())) {
-      jobs_[waiting.needs.front()].nodes.push_back(i);
-      jobs_of_[i] = waiting.needs;
-      return;
-    }
-    if (!waits && waiting.needs.empty()) {
+      job = waiting.needs.front();
+    } else if (!waits && waiting.needs.empty()) {
       if (!first_ || !has_room(*first_)) first_ = append({});
-      jobs_[*first_].nodes.push_back(i);
-      jobs_of_[i] = {*first_};
-      return;
+      job = first_;
     }
-    waiting.nodes = {i};
-    jobs_of_[i] = {append(std::move(waiting))};
+    if (!job) job = append(std::move(waiting));
+    jobs_[*job].nodes.push_back(i);
+    jobs_of_[i] = {*job};
   }
 
   void add_simulation(std::size_t i) {

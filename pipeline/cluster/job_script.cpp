@@ -16,20 +16,7 @@ namespace {
 // A value as sbatch reads it from a script, where blanks, quotes and # end it.
 std::string quoted_value(const std::string& value) {
   if (value.find_first_of(" \t'\"#") == std::string::npos) return value;
-  std::string text = "\"";
-  for (const char c : value) {
-    if (c == '"') text.push_back('\\');
-    text.push_back(c);
-  }
-  text.push_back('"');
-  return text;
-}
-
-// A path in which sbatch replaces %A and the like: other percent signs are doubled.
-std::string without_patterns(const std::string& path) {
-  std::string text;
-  for (const char c : path) text.append(c == '%' ? 2 : 1, c);
-  return text;
+  return "\"" + replaced_all(value, "\"", "\\\"") + "\"";
 }
 
 class ScriptWriter {
@@ -46,11 +33,7 @@ class ScriptWriter {
     write_options();
     write_description();
     write_setup();
-    if (job_.is_helper()) {
-      write_helper();
-    } else {
-      job_.is_array() ? write_array() : write_job();
-    }
+    job_.is_array() ? write_array() : write_job();
     return text_;
   }
 
@@ -77,7 +60,8 @@ class ScriptWriter {
 
   void write_options() {
     const std::string id = job_.is_array() ? "%A_%a" : "%j";
-    const std::string logs = without_patterns(context_.logs.string());
+    // sbatch replaces %A and the like in a path.
+    const std::string logs = replaced_all(context_.logs.string(), "%", "%%");
     option("job-name", fmt::format("npdr-{}-{}", folder_slug(context_.plan.study.name), kind()));
     option("comment", tag_of(context_.plan, job_).text());
     option("chdir", context_.folder);
@@ -129,28 +113,25 @@ class ScriptWriter {
 
   void write_array() {
     const Node& node = context_.plan.nodes[job_.nodes.front()];
-    const auto last = static_cast<Index>(shards(context_.plan, node).size()) - 1;
-    const std::string task = job_.first_task == 0
-                                 ? "SLURM_ARRAY_TASK_ID"
-                                 : fmt::format("(SLURM_ARRAY_TASK_ID + {})", job_.first_task);
-    text_ += fmt::format("first=$(({} * {}))\n", task, job_.shards_per_task);
-    text_ += fmt::format("last=$((first + {0} < {1} ? first + {0} : {1}))\n",
-                         job_.shards_per_task - 1, last);
-    text_ += fmt::format("exec {} task -- {} {} --artefact {} --shard \"$first-$last\"\n",
-                         program("npdr"), program("npdr-simulate"),
-                         shell_text(context_.study_words), node.key);
-  }
-
-  void write_helper() {
-    text_ += fmt::format(
-        "exec {} task -- {} {} --artefact {} --helper \"$((SLURM_ARRAY_TASK_ID + 1))/{}\"\n",
-        program("npdr"), program("npdr-simulate"), shell_text(context_.study_words),
-        context_.plan.nodes[job_.nodes.front()].key, job_.tasks.size());
+    std::string part =
+        fmt::format("--helper \"$((SLURM_ARRAY_TASK_ID + 1))/{}\"", job_.tasks.size());
+    if (!job_.is_helper()) {
+      const Index last = num_shards(context_.plan, node) - 1;
+      const std::string task = job_.first_task == 0
+                                   ? "SLURM_ARRAY_TASK_ID"
+                                   : fmt::format("(SLURM_ARRAY_TASK_ID + {})", job_.first_task);
+      text_ += fmt::format("first=$(({} * {}))\n", task, job_.shards_per_task);
+      text_ += fmt::format("last=$((first + {0} < {1} ? first + {0} : {1}))\n",
+                           job_.shards_per_task - 1, last);
+      part = "--shard \"$first-$last\"";
+    }
+    text_ += fmt::format("exec {} task -- {} {} --artefact {} {}\n", program("npdr"),
+                         program("npdr-simulate"), shell_text(context_.plan.words), node.key, part);
   }
 
   void write_job() {
     text_ += fmt::format("exec {0} task -- {0} run {1}", program("npdr"),
-                         shell_text(context_.study_words));
+                         shell_text(context_.plan.words));
     for (const std::size_t i : job_.nodes) {
       text_ += fmt::format(" \\\n  --artefact {}", context_.plan.nodes[i].key);
     }

@@ -12,10 +12,9 @@ namespace npdr::pipeline {
 /// Context that all scripts of one submission share.
 struct ScriptContext {
   const Plan& plan;
-  std::vector<std::string> study_words;  ///< words that name the study to a program
-  std::filesystem::path folder;          ///< where the programs run: the current one
-  std::filesystem::path programs;        ///< where they are
-  std::filesystem::path logs;            ///< absolute
+  std::filesystem::path folder;    ///< where the programs run: the current one
+  std::filesystem::path programs;  ///< where they are
+  std::filesystem::path logs;      ///< absolute
 };
 
 /// A script for sbatch: resources of the job's stage, then one command. The array's indices and

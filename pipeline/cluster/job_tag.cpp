@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "core/text.h"
+#include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/store/hash.h"
 
@@ -17,6 +19,14 @@ namespace {
 constexpr std::size_t kKeyDigits = 16;  // enough for all artefacts of all studies
 constexpr std::size_t kWorkDigits = 12;
 constexpr std::string_view kMaker = "npdr", kHelper = "npdr-help";
+
+// Digits that tell this work folder from others, the same from every machine that calls it the
+// same.
+std::string work_digits(const WorkFolder& work) {
+  Hasher hasher;
+  hasher.add(std::filesystem::weakly_canonical(std::filesystem::absolute(work.root())).string());
+  return hasher.hex().substr(0, kWorkDigits);
+}
 
 std::map<std::string, std::size_t> nodes_by_key(const Plan& plan) {
   std::map<std::string, std::size_t> nodes;
@@ -82,12 +92,6 @@ std::optional<JobTag> parse_tag(const std::string& comment) {
   return JobTag{parts[1], split(parts[2], ','), *shards_per_task, *first_task, parts[0] == kHelper};
 }
 
-std::string work_digits(const WorkFolder& work) {
-  Hasher hasher;
-  hasher.add(std::filesystem::weakly_canonical(std::filesystem::absolute(work.root())).string());
-  return hasher.hex().substr(0, kWorkDigits);
-}
-
 std::vector<InFlight> in_flight(const Plan& plan, const std::vector<QueuedTask>& tasks) {
   std::vector<InFlight> found(plan.nodes.size());
   for_each_node(plan, tasks, [&](const QueuedTask& task, const JobTag& tag, std::size_t node) {
@@ -110,6 +114,63 @@ std::vector<QueuedTask> tasks_of(const Plan& plan, const std::vector<QueuedTask>
     if (std::exchange(last, &task) != &task) ours.push_back(task);
   });
   return ours;
+}
+
+namespace {
+
+using Flights = std::vector<InFlight>;
+
+bool will_come(const Plan& plan, std::size_t i, const Flights& flights) {
+  const Node& node = plan.nodes[i];
+  if (is_complete(plan, node)) return true;
+  if (node.stage != Stage::simulate) return flights[i].is_made();
+  return std::ranges::all_of(missing_shards(plan, node),
+                             [&](Index shard) { return flights[i].shards.contains(shard); });
+}
+
+// Those whose own needs don't come; what waits for them is found when they are left out.
+std::set<std::string> doomed_now(const Plan& plan, const std::vector<QueuedTask>& tasks) {
+  std::set<std::string> begun;
+  for (const QueuedTask& task : tasks) {
+    if (task.is_running()) begun.insert(task.job);
+  }
+  const Flights flights = in_flight(plan, tasks);
+  std::set<std::string> doomed;
+  for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
+    std::set<std::string> jobs = flights[i].helpers;
+    jobs.insert(flights[i].jobs.begin(), flights[i].jobs.end());
+    if (jobs.empty() || is_complete(plan, plan.nodes[i])) continue;
+    const auto& needs = plan.nodes[i].needs;
+    if (std::ranges::all_of(needs, [&](std::size_t n) { return will_come(plan, n, flights); })) {
+      continue;
+    }
+    for (const std::string& job : jobs) {
+      if (!begun.contains(job)) doomed.insert(job);
+    }
+  }
+  return doomed;
+}
+
+}  // namespace
+
+std::vector<std::string> doomed_jobs(const Plan& plan, const std::vector<QueuedTask>& tasks) {
+  std::vector<std::string> all;
+  std::vector<QueuedTask> left = tasks;
+  for (std::set<std::string> doomed = doomed_now(plan, left); !doomed.empty();
+       doomed = doomed_now(plan, left)) {
+    all.insert(all.end(), doomed.begin(), doomed.end());
+    left = without_jobs(left, {doomed.begin(), doomed.end()});
+  }
+  return all;
+}
+
+std::vector<QueuedTask> without_jobs(const std::vector<QueuedTask>& tasks,
+                                     const std::vector<std::string>& jobs) {
+  std::vector<QueuedTask> left;
+  std::ranges::copy_if(tasks, std::back_inserter(left), [&](const QueuedTask& task) {
+    return std::ranges::find(jobs, task.job) == jobs.end();
+  });
+  return left;
 }
 
 }  // namespace npdr::pipeline

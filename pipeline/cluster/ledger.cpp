@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,7 +12,6 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/file_error.h"
-#include "core/open_file.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -19,6 +19,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::filesystem::path ledger_of(const Plan& plan) { return jobs_folder(plan) / "submitted.jsonl"; }
+
+std::filesystem::path lock_of(const Plan& plan) {
+  make_folder(jobs_folder(plan));
+  return jobs_folder(plan) / ".lock";
+}
 
 Json to_json(const LedgerEntry& entry) {
   return {{"job", entry.job},
@@ -43,6 +48,19 @@ LedgerEntry entry_of(const Json& json) {
 
 std::filesystem::path jobs_folder(const Plan& plan) {
   return plan.work.study(plan.study.name) / "jobs";
+}
+
+SubmissionLock::SubmissionLock(const Plan& plan)
+    : file_(lock_of(plan), O_RDWR | O_CREAT | O_NOFOLLOW) {
+  if (!file_.is_open()) throw_file_error(lock_of(plan), "be written", errno);
+  constexpr int patience = 600;
+  constexpr useconds_t pause = 100'000;  // [us]
+  for (int i = 0; i < patience; ++i) {
+    if (flock(file_.value(), LOCK_EX | LOCK_NB) == 0) return;
+    if (errno != EWOULDBLOCK && errno != EINTR) return;  // there are no locks here
+    usleep(pause);
+  }
+  throw Error(lock_of(plan).string() + ": somebody else submits this study; try again later");
 }
 
 // One write, as a rule: lines of two programs don't mix.

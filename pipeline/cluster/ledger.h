@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/open_file.h"
 #include "pipeline/cluster/job_tag.h"
 
 namespace npdr::pipeline {
@@ -22,6 +23,16 @@ struct LedgerEntry {
 
 /// Where scripts, logs and the ledger of a study lie.
 std::filesystem::path jobs_folder(const Plan& plan);
+
+/// Holds the lock of jobs_folder() as long as it lives, or as its process does. Waits for another
+/// holder for a minute, then throws Error. A file system without locks has none to give.
+class SubmissionLock {
+ public:
+  explicit SubmissionLock(const Plan& plan);
+
+ private:
+  OpenFile file_;
+};
 
 /// Appends a line, at once on the disk. Throws Error.
 void append_to_ledger(const Plan& plan, const LedgerEntry& entry);

@@ -1,15 +1,16 @@
 #include "pipeline/cluster/slurm.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/shell_call.h"
 #include "core/shell_text.h"
+#include "core/temporary_folder.h"
 #include "core/text.h"
 
 namespace npdr::pipeline {
@@ -21,24 +22,6 @@ constexpr int kNotFound = 127;      // what a shell says of a command that isn't
 struct Answer {
   CallResult result;
   std::string text;  // all of its standard output
-};
-
-// A temporary file, removed with this.
-class OutputFile {
- public:
-  OutputFile() {
-    const int file = mkstemp(name_.data());
-    if (file < 0) throw Error("can't make a temporary file such as " + name_);
-    close(file);
-  }
-  ~OutputFile() { unlink(name_.c_str()); }
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
-
-  const std::string& name() const { return name_; }
-
- private:
-  std::string name_ = (std::filesystem::temp_directory_path() / "npdr-slurm-XXXXXX").string();
 };
 
 // Variables that change what Slurm's programs do or print, or that tell a job about itself: a
@@ -58,17 +41,18 @@ std::vector<std::string> ignored_variables() {
 // A file of its own takes what is printed: a queue may hold thousands of lines. Without the
 // variable that is set, squeue cuts long lists of indices.
 Answer ask(const std::vector<std::string>& words) {
-  const OutputFile output;
+  const TemporaryFolder folder("npdr-slurm", "Slurm's answers are left there");
+  const std::filesystem::path output = folder.path() / "answer";
   std::vector<std::string> command = {"env"};
   for (const std::string& name : ignored_variables()) command.insert(command.end(), {"-u", name});
   command.push_back("SLURM_BITSTR_LEN=0");
   command.insert(command.end(), words.begin(), words.end());
   Answer answer;
-  answer.result = run_shell({shell_text(command) + " > " + shell_word(output.name()),
+  answer.result = run_shell({shell_text(command) + " > " + shell_word(output),
                              std::filesystem::current_path(),
                              {},
                              kPatience});
-  answer.text = read_text_file(output.name());
+  answer.text = read_text_file(output);
   return answer;
 }
 
@@ -90,17 +74,14 @@ std::string ask_or_fail(const std::vector<std::string>& words) {
 }
 
 std::string dependency_of(const Submission& submission) {
+  using Ids = const std::vector<std::string>*;
   std::vector<std::string> parts;
-  if (!submission.after_ok.empty()) {
-    parts.push_back(fmt::format("afterok:{}", fmt::join(submission.after_ok, ":")));
+  for (const auto& [kind, ids] : {std::pair<const char*, Ids>{"afterok", &submission.after_ok},
+                                  {"afterany", &submission.after_any},
+                                  {"after", &submission.after}}) {
+    if (!ids->empty()) parts.push_back(fmt::format("{}:{}", kind, join(*ids, ":")));
   }
-  if (!submission.after_any.empty()) {
-    parts.push_back(fmt::format("afterany:{}", fmt::join(submission.after_any, ":")));
-  }
-  if (!submission.after.empty()) {
-    parts.push_back(fmt::format("after:{}", fmt::join(submission.after, ":")));
-  }
-  return fmt::format("{}", fmt::join(parts, ","));
+  return join(parts, ",");
 }
 
 }  // namespace
@@ -142,18 +123,12 @@ std::vector<QueuedTask> queued_tasks() {
 }
 
 std::vector<QueuedTask> parse_queued_tasks(const std::string& line) {
-  std::vector<std::string> fields;
-  std::size_t begin = 0;
-  constexpr std::size_t before_comment = 5;
-  while (fields.size() < before_comment) {
-    const std::size_t end = line.find('|', begin);
-    if (end == std::string::npos) return {};
-    fields.push_back(line.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  if (!parse_count(fields[0])) return {};
-  const QueuedTask job{fields[0], std::nullopt, fields[2],
-                       fields[3], fields[4],    line.substr(begin)};
+  const std::vector<std::string> fields = split(line + '|', '|');  // the last may be empty
+  constexpr std::ptrdiff_t before_comment = 5;
+  if (std::ssize(fields) <= before_comment || !parse_count(fields[0])) return {};
+  const QueuedTask job{fields[0], std::nullopt,
+                       fields[2], fields[3],
+                       fields[4], join({fields.begin() + before_comment, fields.end()}, "|")};
   std::vector<QueuedTask> tasks;
   for (const Index index : parse_indices(fields[1])) {
     tasks.push_back(job);

@@ -41,8 +41,12 @@ Constraint<double> between(const Range& range) {
 
 Constraint<double> between(double low, double high) { return between(Range{low, high}); }
 
-Constraint<double> strictly_between(double low, double high) {
-  return {fmt::format("> {} and < {}", low, high), [=](double v) { return v > low && v < high; }};
+Constraint<double> interval(const std::string& above, double low, const std::string& below,
+                            double high) {
+  const bool has_low = above == ">=", has_high = below == "<=";
+  return {fmt::format("{} {} and {} {}", above, low, below, high), [=](double v) {
+            return (has_low ? v >= low : v > low) && (has_high ? v <= high : v < high);
+          }};
 }
 
 Constraint<double> count_from(double low) {

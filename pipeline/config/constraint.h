@@ -4,6 +4,7 @@
 #include <concepts>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,9 @@ Constraint<T> anything() {
 Constraint<double> positive();
 Constraint<double> between(const Range& range);
 Constraint<double> between(double low, double high);
-/// Bounds excluded.
-Constraint<double> strictly_between(double low, double high);
+/// `above` is ">" or ">=", `below` "<" or "<=".
+Constraint<double> interval(const std::string& above, double low, const std::string& below,
+                            double high);
 /// A number of things: low to 10^9, far beyond what a study can compute and far from an overflow.
 Constraint<double> count_from(double low);
 /// A number >= 0.
@@ -67,6 +69,11 @@ bool satisfies(const T& value, const Constraint<C>& allowed) {
   } else {
     return allowed.allows(static_cast<C>(value));
   }
+}
+/// A value that is left out is allowed.
+template <class T, class C>
+bool satisfies(const std::optional<T>& value, const Constraint<C>& allowed) {
+  return !value || satisfies(*value, allowed);
 }
 
 /// Text for a shell to run: not blank, and without control characters other than line breaks and

@@ -11,7 +11,6 @@
 #include "pipeline/config/check.h"
 #include "pipeline/config/enum_lists.h"
 #include "pipeline/config/metric.h"
-#include "pipeline/config/prior_check.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -58,20 +57,12 @@ bool is_option(const std::string& text) {
 
 }  // namespace
 
-Constraint<double> quantile_constraint() {
-  return {"> 0 and <= 1", [](double v) { return v > 0.0 && v <= 1.0; }};
-}
-
 Constraint<std::vector<double>> noise_prior(double low, const std::string& name, double high) {
   const std::string below = std::isfinite(high) ? fmt::format(" and < {}", high) : "";
   return {fmt::format("[median, deviation] with a {} > {}{} and a deviation > 0", name, low, below),
           [low, high](const auto& prior) {
             return prior.size() == 2 && prior[0] > low && prior[0] < high && prior[1] > 0.0;
           }};
-}
-
-Constraint<double> correlation_constraint() {
-  return {">= 0 and < 1", [](double v) { return v >= 0.0 && v < 1.0; }};
 }
 
 Constraint<double> degrees_constraint() {
@@ -89,11 +80,6 @@ Constraint<std::vector<std::uint64_t>> seeds_constraint() {
   return {"distinct and >= 0, 1 to 1000 of them", [](const auto& seeds) {
             return !seeds.empty() && seeds.size() <= most && all_distinct(seeds);
           }};
-}
-
-Constraint<double> rounds_constraint() {
-  // Each depends on all before it: more would take time and memory with their square.
-  return between(1, 200);
 }
 
 Constraint<std::vector<std::uint64_t>> rollouts_constraint() {
@@ -148,6 +134,24 @@ Constraint<std::string> time_constraint() {
                 "[0-9]{1,7}|[0-9]{1,5}:[0-9]{2}(:[0-9]{2})?|[0-9]{1,4}-[0-9]{1,2}(:[0-9]{2}){0,2}");
             return text.empty() || std::regex_match(text, time);
           }};
+}
+
+std::optional<double> seconds_of(const std::string& time) {
+  if (time.empty()) return std::nullopt;
+  std::vector<double> clock;
+  const std::size_t dash = time.find('-');
+  const bool has_days = dash != std::string::npos;
+  for (const std::string& part : split(has_days ? time.substr(dash + 1) : time, ':')) {
+    clock.push_back(std::stod(part));
+  }
+  if (has_days) {
+    clock.resize(3, 0.0);
+    clock[0] += 24.0 * std::stod(time.substr(0, dash));
+  }
+  if (clock.size() == 1) return clock[0] * 60.0;
+  double seconds = 0.0;
+  for (const double part : clock) seconds = seconds * 60.0 + part;
+  return seconds;
 }
 
 Constraint<std::string> option_value() {

@@ -1,7 +1,9 @@
 /// What fields of a study may hold, beyond the general rules of constraint.h.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,18 +19,16 @@ inline constexpr double kMaxWidth = 4096;
 inline constexpr double kMaxLayers = 128;
 /// The most rollouts, steps or channels of a posterior file: their product fits into an integer.
 inline constexpr double kMaxSeries = 1e6;
+/// Parameters that a prior may have.
+inline constexpr std::size_t kMostParameters = 1000;
 
 /// [median, deviation] of noise, the median above `low` and below `high`, the deviation > 0.
 Constraint<std::vector<double>> noise_prior(double low, const std::string& name,
                                             double high = kInfinity);
-Constraint<double> correlation_constraint();
 Constraint<double> degrees_constraint();
-/// > 0 and <= 1.
-Constraint<double> quantile_constraint();
 /// States of a smoother's window: odd, 5 to 1001.
 Constraint<double> window_constraint();
 Constraint<std::vector<std::uint64_t>> seeds_constraint();
-Constraint<double> rounds_constraint();
 Constraint<std::vector<std::uint64_t>> rollouts_constraint();
 /// A number of folds, or none.
 Constraint<double> folds_constraint();
@@ -43,6 +43,8 @@ Constraint<std::vector<inference::Marginal>> prior_constraint();
 Constraint<std::string> memory_constraint();
 /// Time as Slurm takes it: "90", "01:30:00", "1-12"; "" for none.
 Constraint<std::string> time_constraint();
+/// [s] of such a time: "90" (minutes), "MM:SS", "HH:MM:SS", "D-HH[:MM[:SS]]"; none for "".
+std::optional<double> seconds_of(const std::string& time);
 /// Value behind the = of a batch system's option: one word, or nothing.
 Constraint<std::string> option_value();
 /// Lines such as "--qos=long".

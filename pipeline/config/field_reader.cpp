@@ -36,8 +36,7 @@ std::string found_text(const FieldTree& json, const Reading& reading) {
 }
 
 void fail_type(const FieldSlot& slot, const std::string& words) {
-  const std::string found = found_text(slot.json, slot.reading);
-  slot.reading.fail(slot.path, must_be(display(slot.path), found, words));
+  slot.reading.reject(slot.path, found_text(slot.json, slot.reading), words);
 }
 
 // The slot of a table's member, with its place noted down.
@@ -212,7 +211,7 @@ const FieldTree* FieldReader::look_up(const std::string& key) {
 
 void FieldReader::fail(const std::string& path, const FieldTree& found, const std::string& words,
                        const std::vector<std::string>& names) {
-  reading_.fail(path, must_be(display(path), found_text(found, reading_), words, names));
+  reading_.reject(path, found_text(found, reading_), words, names);
 }
 
 std::vector<std::pair<std::string, const FieldTree*>> FieldReader::elements(const std::string& key,

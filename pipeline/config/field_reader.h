@@ -12,7 +12,7 @@
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/field_types.h"
 #include "pipeline/config/field_use.h"
-#include "pipeline/config/problems.h"
+#include "pipeline/config/reading.h"
 
 namespace npdr::pipeline {
 
@@ -75,13 +75,13 @@ class FieldReader {
     const std::string path = below(key);
     const FieldTree* json = look_up(key);
     if (json == nullptr) {
-      if (!allows(value, allowed)) {
+      if (!satisfies(value, allowed)) {
         reading_.fail(path, display(path) + " is missing, must be " +
                                 type_and_words(type_name<T>(), allowed));
       }
     } else if (T read{}; !read_value({*json, path, reading_}, read)) {
       fail(path, *json, type_and_words(type_name<T>(), allowed));
-    } else if (!allows(read, allowed)) {
+    } else if (!satisfies(read, allowed)) {
       fail(path, *json, allowed.words, allowed.names);
     } else {
       value = std::move(read);
@@ -115,15 +115,6 @@ class FieldReader {
   void reject_unknown_keys();
 
  private:
-  template <class T, class C>
-  static bool allows(const T& value, const Constraint<C>& allowed) {
-    return satisfies(value, allowed);
-  }
-  template <class T, class C>
-  static bool allows(const std::optional<T>& value, const Constraint<C>& allowed) {
-    return !value || satisfies(*value, allowed);
-  }
-
   std::string below(const std::string& key) const {
     return path_.empty() ? key : path_ + "." + key;
   }

@@ -3,9 +3,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
-
-#include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
 
@@ -30,23 +27,8 @@ struct FieldUse {
 };
 
 /// FieldUse::unused: "" where the field means something, else ": why".
-std::string unless(bool means_something, const std::string& why);
-
-/// A field, or a table as a whole, that means nothing where it is.
-struct UnusedField {
-  std::string path;
-  FieldUse use;
-};
-
-/// Those of a part of a study; `path` begins theirs. Config is one of SimulatorTable,
-/// ObservationNoise, PolicyConfig.
-template <class Config>
-std::vector<UnusedField> unused_fields(const Config& config, const std::string& path);
-/// Those of a method in a study with that policy.
-std::vector<UnusedField> unused_fields(const MethodConfig& method, const PolicyConfig& policy,
-                                       const std::string& path);
-
-/// Whether `key` of a [[method]] means something to the algorithm.
-bool reads_setting(inference::Algorithm algorithm, const std::string& key);
+inline std::string unless(bool means_something, const std::string& why) {
+  return means_something ? "" : ": " + why;
+}
 
 }  // namespace npdr::pipeline

@@ -1,9 +1,8 @@
-#include <algorithm>
 #include <cmath>
 
 #include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/part_checks.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -25,13 +24,11 @@ std::string readers_of(const std::string& setting) {
 
 class MethodChecker : Checker {
  public:
-  MethodChecker(Study& study, std::size_t i, const sim::SimulatorInfo* info, Reading& reading)
-      : Checker(reading),
-        study_(study),
+  MethodChecker(const Study& study, std::size_t i, const sim::SimulatorInfo* info, Reading& reading)
+      : Checker(study, info, reading),
         method_(study.methods[i]),
         algorithm_(inference::traits_of(method_.algorithm.kind)),
-        path_(fmt::format("method[{}]", i)),
-        info_(info) {}
+        path_(method_path(i)) {}
 
   void check() {
     const Index available = study_.target.num_rollouts;
@@ -45,7 +42,15 @@ class MethodChecker : Checker {
             fmt::format("1 with algorithm '{}', whose simulations all come from the prior: raise "
                         "num_simulations",
                         algorithm_.name));
-    check_family();
+    using enum inference::AlgorithmFamily;
+    if (algorithm_.family == network) {
+      check_training();
+      check_estimator();
+      check_loss();
+    }
+    if (algorithm_.family == abc) check_abc();
+    if (algorithm_.family == regression) check_regression();
+    if (algorithm_.family == likelihood) check_refine();
     for (const auto& [metric, figure] : method_.published) {
       require_known(at("published." + metric), "method.published", "metric", metric,
                     names_of<Metric>());
@@ -56,27 +61,6 @@ class MethodChecker : Checker {
   std::string at(const std::string& key) const { return path_ + "." + key; }
   Index num_rounds() const { return method_.algorithm.num_rounds; }
 
-  void check_family() {
-    switch (algorithm_.family) {
-      case inference::AlgorithmFamily::network:
-        check_training();
-        check_estimator();
-        check_loss();
-        break;
-      case inference::AlgorithmFamily::abc:
-        check_abc();
-        break;
-      case inference::AlgorithmFamily::regression:
-        check_regression();
-        break;
-      case inference::AlgorithmFamily::likelihood:
-        check_refine();
-        break;
-      case inference::AlgorithmFamily::fixed:
-        break;
-    }
-  }
-
   void check_unused_settings() {
     if (!reading_.good(at("algorithm"))) return;
     PolicyConfig policy = study_.policy;
@@ -84,7 +68,7 @@ class MethodChecker : Checker {
     if (!reading_.good("policy.optimizer")) {
       policy.search.kind = inference::PolicyOptimizerKind::power;
     }
-    std::vector<UnusedField> unused = unused_fields(method_, policy, path_);
+    std::vector<UnusedField> unused = unused_fields(fields_of(method_, policy), path_);
     for (auto& [setting, use] : unused) {
       if (!use.settable) continue;  // not the algorithm's
       if (!is_in_file(at("algorithm"))) use.unused += ", which a method has that names none";
@@ -161,9 +145,8 @@ class MethodChecker : Checker {
 
   void check_estimator() {
     const std::string path = at("density_estimator.kind");
-    EstimatorKind& kind = method_.density_estimator.kind;
+    const EstimatorKind kind = method_.density_estimator.kind;
     if (!reading_.good(at("algorithm")) || !reading_.good(path)) return;
-    if (!reading_.has(path)) kind = algorithm_.estimators.front();
     require(at("density_estimator.num_networks"), method_.density_estimator.num_networks,
             inference::allows_ensembles(algorithm_) || method_.density_estimator.num_networks == 1,
             fmt::format("1 with algorithm '{}': the posteriors of several can't be averaged",
@@ -171,12 +154,12 @@ class MethodChecker : Checker {
     require(path, kind, std::ranges::count(algorithm_.estimators, kind) > 0,
             fmt::format("one of {} with algorithm '{}'", inference::estimator_list(algorithm_),
                         algorithm_.name));
-    const bool trains = algorithm_.role == inference::NetworkRole::posterior;
-    if (trains || !trains_layers(method_.embedding.kind)) return;
-    fail(at("embedding.kind"), quoted(name_of(method_.embedding.kind)),
-         fmt::format("another with algorithm '{}', which can't train one: such as 'all_steps' with "
-                     "principal_components",
-                     algorithm_.name));
+    const EmbeddingKind embedding = method_.embedding.kind;
+    require(at("embedding.kind"), embedding,
+            algorithm_.role == inference::NetworkRole::posterior || !trains_layers(embedding),
+            fmt::format("another with algorithm '{}', which can't train one: such as 'all_steps' "
+                        "with principal_components",
+                        algorithm_.name));
   }
 
   void check_loss() {
@@ -213,12 +196,11 @@ class MethodChecker : Checker {
 
   void check_refine() {
     if (!study_.source().simulates) {
-      reading_.fail(at("algorithm"), "algorithm 'refine' needs a simulator, not a dataset");
+      fail(at("algorithm"), "algorithm 'refine' needs a simulator, not a dataset");
     } else if (study_.observation_noise.is_silent() && reading_.good("observation_noise")) {
-      reading_.fail(
-          at("algorithm"),
-          "algorithm 'refine' needs [observation_noise], whose density is its likelihood: "
-          "give scale, scale_prior or std");
+      fail(at("algorithm"),
+           "algorithm 'refine' needs [observation_noise], whose density is its likelihood: "
+           "give scale, scale_prior or std");
     }
     const auto& [start, infer_first_states, sampling] = method_.refine;
     const Index most = sampling.max_simulations, level = sampling.level_size;
@@ -232,10 +214,9 @@ class MethodChecker : Checker {
             {at("refine.level_size")});
     const Index rollouts =
         method_.num_rollouts > 0 ? method_.num_rollouts : study_.target.num_rollouts;
-    if (sampling.cross_validate && (rollouts == 1 || !study_.source().gives_motion)) {
-      fail(at("refine.cross_validate"), "true",
-           "false with a single rollout: none can be left out");
-    }
+    require(at("refine.cross_validate"), sampling.cross_validate,
+            !sampling.cross_validate || (rollouts != 1 && study_.source().gives_motion),
+            "false with a single rollout: none can be left out");
     if (infer_first_states) check_first_states(at("refine.infer_first_states"));
     if (!start.empty()) check_start(at("refine.start"));
   }
@@ -243,12 +224,11 @@ class MethodChecker : Checker {
   void check_first_states(const std::string& key) {
     const ObservationNoise& noise = study_.observation_noise;
     const Index length = study_.simulator.segment_length, every = study_.simulator.store_every;
-    const bool is_heavy_tailed = noise.degrees_of_freedom || noise.degrees_of_freedom_prior;
     require(key, true, study_.source().gives_motion,
             "false where a simulator gives features: they have no first states") &&
         require(key, true, !study_.target.truth,
                 "false with target.truth: first states of a simulated target are exact") &&
-        require(key, true, !is_heavy_tailed,
+        require(key, true, !noise.is_heavy_tailed(),
                 "false with observation_noise.degrees_of_freedom: first states are integrated out "
                 "of Gaussian noise, white or correlated") &&
         require(key, true, length == 0 || (length >= 2 * every && length % every == 0),
@@ -263,8 +243,7 @@ class MethodChecker : Checker {
     if (!reading_.good(key)) return;
     std::vector<std::string> names;
     for (const MethodConfig& other : study_.methods) {
-      const auto family = inference::traits_of(other.algorithm.kind).family;
-      const bool refines = family == inference::AlgorithmFamily::likelihood;
+      const bool refines = family_of(other) == inference::AlgorithmFamily::likelihood;
       if (infers(other) && !refines) names.push_back(other.name);
     }
     if (!require_known(key, display(key), "method to refine", start, names)) return;
@@ -281,10 +260,9 @@ class MethodChecker : Checker {
                           : nullptr;
     if (!form) {
       const std::string needed = join(sim::simulators_with_regression(), "' or '");
-      return reading_.fail(path,
-                           fmt::format("algorithm 'linear_regression' needs simulator.name = '{}', "
-                                       "found '{}': only its equations are a linear regression",
-                                       needed, info_->name));
+      return fail(path, fmt::format("algorithm 'linear_regression' needs simulator.name = '{}', "
+                                    "found '{}': only its equations are a linear regression",
+                                    needed, info_->name));
     }
     std::vector<std::string> identified;
     for (const Index p : form->identified()) {
@@ -294,22 +272,20 @@ class MethodChecker : Checker {
       return std::ranges::count(identified, m.name) > 0;
     };
     if (std::ranges::any_of(study_.prior, is_identified)) return;
-    reading_.fail(path,
-                  fmt::format("algorithm 'linear_regression' identifies {}; the prior must have "
-                              "one of them at least",
-                              join(identified)));
+    fail(path, fmt::format("algorithm 'linear_regression' identifies {}; the prior must have "
+                           "one of them at least",
+                           join(identified)));
   }
 
-  Study& study_;
-  MethodConfig& method_;
+  const MethodConfig& method_;
   const inference::AlgorithmTraits& algorithm_;
   std::string path_;
-  const sim::SimulatorInfo* info_;
 };
 
 }  // namespace
 
-void check_method(Study& study, std::size_t i, const sim::SimulatorInfo* info, Reading& reading) {
+void check_method(const Study& study, std::size_t i, const sim::SimulatorInfo* info,
+                  Reading& reading) {
   MethodChecker(study, i, info, reading).check();
 }
 

@@ -58,10 +58,10 @@ void describe(Fields& f, inference::EstimatorConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, inference::TrainingConfig& c) {
-  f("learning_rate", c.learning_rate, quantile_constraint(), "step size of Adam");
+  f("learning_rate", c.learning_rate, interval(">", 0, "<=", 1), "step size of Adam");
   f("batch_size", c.batch_size, count_from(1),
     "simulations per step of the optimizer; all that train when left out and they are fewer");
-  f("validation_fraction", c.validation_fraction, strictly_between(0, 1),
+  f("validation_fraction", c.validation_fraction, interval(">", 0, "<", 1),
     "share of the simulations that early stopping is judged on");
   f("stop_after_epochs", c.stop_after_epochs, count_from(1),
     "epochs without a better validation loss before training stops");
@@ -86,7 +86,7 @@ void describe(Fields& f, inference::SamplerConfig& c) {
 template <class Fields>
 void describe(Fields& f, inference::AbcConfig& c) {
   choice(f, "distance", c.distance, "of features, or a metric of trajectories");
-  f("quantile", c.quantile, quantile_constraint(),
+  f("quantile", c.quantile, interval(">", 0, "<=", 1),
     "the nearest simulations that are accepted, as a share of round 1, or for \"abc_smc\" (0.5 "
     "when "
     "left out) of the last population");
@@ -109,7 +109,7 @@ void describe(Fields& f, RefineConfig& c) {
   f("start", c.start, anything<std::string>(),
     "the method whose posterior is refined; empty: begin with the prior",
     {.affects = Affects::elsewhere});
-  f("likelihood_power", c.sampling.likelihood_power, quantile_constraint(),
+  f("likelihood_power", c.sampling.likelihood_power, interval(">", 0, "<=", 1),
     "of the likelihood; below 1 for simulators that can't reproduce the recording");
   f("cross_validate", c.sampling.cross_validate, anything<bool>(),
     "choose the power, at most likelihood_power, that predicts left-out rollouts best");
@@ -133,7 +133,8 @@ void describe(Fields& f, inference::AlgorithmConfig& c) {
   const FieldUse of_rounds =
       use_of_algorithm(c.kind, learns_from_rounds(c.kind), Affects::elsewhere);
   choice(f, "algorithm", c.kind, "inference algorithm");
-  f("num_rounds", c.num_rounds, rounds_constraint(), "rounds of proposing, simulating and training",
+  // Each depends on all before it: more would take time and memory with their square.
+  f("num_rounds", c.num_rounds, between(1, 200), "rounds of proposing, simulating and training",
     of_rounds);
   f("num_simulations", c.num_simulations, count_from(1), "simulations per round", of_rounds);
   f("num_atoms", c.num_atoms, count_from(2),

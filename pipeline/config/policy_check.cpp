@@ -1,9 +1,7 @@
-#include <algorithm>
 #include <memory>
 
 #include "core/error.h"
 #include "pipeline/config/checker.h"
-#include "pipeline/config/part_checks.h"
 #include "sim/policy_task.h"
 
 namespace npdr::pipeline {
@@ -11,33 +9,28 @@ namespace {
 
 class PolicyChecker : Checker {
  public:
-  PolicyChecker(const Study& study, const sim::SimulatorInfo* info, Reading& reading)
-      : Checker(reading), study_(study), info_(info) {}
+  using Checker::Checker;
 
   void check() {
     if (!study_.policy.is_used() || !reading_.good("policy.optimizer")) return;
-    must_be_left_out("evaluate.leave_out", "policies are tested, not their predictions");
-    must_be_left_out(unused_fields(study_.policy, "policy"));
+    must_be_left_out({"evaluate.leave_out"}, "policies are tested, not their predictions");
+    must_be_left_out(unused_fields(fields_of(study_.policy), "policy"));
     const inference::PolicySearchConfig& search = study_.policy.search;
     require("policy.min_std", search.min_std, search.min_std <= search.initial_std,
             fmt::format("<= policy.initial_std = {}", search.initial_std));
     if (!info_ || !has_task()) return;
     check_initial();
-    check_model();
+    if (check_values("policy.model", study_.policy.model)) check_model();
     check_grid();
   }
 
  private:
-  const sim::Parameter* find_domain_parameter(const std::string& path, const std::string& name) {
-    return find_parameter(path, display(path), *info_, name);
-  }
-
   bool has_task() {
     const std::vector<std::string> able = sim::simulators_with_policy_task();
     if (study_.source().is_built_in && std::ranges::count(able, info_->name) > 0) return true;
-    reading_.fail("policy", fmt::format("policy needs simulator.name = '{}', found '{}': it has no "
-                                        "task for a policy",
-                                        join(able, "' or '"), info_->name));
+    fail("policy", fmt::format("policy needs simulator.name = '{}', found '{}': it has no "
+                               "task for a policy",
+                               join(able, "' or '"), info_->name));
     return false;
   }
 
@@ -55,18 +48,11 @@ class PolicyChecker : Checker {
   }
 
   void check_model() {
-    bool is_sound = reading_.good("simulator.parameters");
-    for (const auto& [name, value] : study_.policy.model) {
-      const std::string path = "policy.model." + name;
-      const sim::Parameter* parameter = find_domain_parameter(path, name);
-      if (parameter != nullptr && reading_.good(path)) check_value(path, *parameter, value);
-      is_sound = is_sound && parameter != nullptr && reading_.good(path);
-    }
-    if (!is_sound) return;
+    if (!reading_.good("simulator.parameters")) return;
     try {
       sim::make_policy_task(study_.simulator, {.model = study_.policy.model, .num_steps = 0});
     } catch (const InputError& error) {
-      reading_.fail("policy.model", fmt::format("policy.model: {}", error.what()));
+      fail("policy.model", fmt::format("policy.model: {}", error.what()));
     }
   }
 
@@ -75,13 +61,14 @@ class PolicyChecker : Checker {
     const bool has_x = reading_.has("policy.grid.x"), has_y = reading_.has("policy.grid.y");
     if (!has_x && !has_y) return;
     if (!has_x || !has_y) {
-      return reading_.fail("policy.grid", fmt::format("policy.grid has no {}, must have x and y",
-                                                      has_x ? "y" : "x"));
+      return fail("policy.grid",
+                  fmt::format("policy.grid has no {}, must have x and y", has_x ? "y" : "x"));
     }
     check_axis("policy.grid.x", grid.x);
     check_axis("policy.grid.y", grid.y);
     if (grid.is_used() && grid.x.parameter == grid.y.parameter) {
-      fail("policy.grid.y.parameter", quoted(grid.y.parameter), "another than policy.grid.x has");
+      reading_.reject("policy.grid.y.parameter", quoted(grid.y.parameter),
+                      "another than policy.grid.x has");
     }
   }
 
@@ -90,21 +77,19 @@ class PolicyChecker : Checker {
       if (!reading_.good(path + key)) return;
     }
     if (!axis.is_used()) {
-      return reading_.fail(path, path + " has no parameter = '...', must name a domain parameter");
+      return fail(path, path + " has no parameter = '...', must name a domain parameter");
     }
-    const sim::Parameter* parameter = find_domain_parameter(path + ".parameter", axis.parameter);
-    if (axis.range.empty() == axis.values.empty()) {
-      return reading_.fail(path,
-                           fmt::format("{} has {} range = [low, high] {} values = [...], must "
-                                       "have one of them",
-                                       path, axis.range.empty() ? "neither" : "both",
-                                       axis.range.empty() ? "nor" : "and"));
+    const sim::Parameter* parameter =
+        find_parameter(path + ".parameter", path + ".parameter", axis.parameter);
+    if (!require_one_of(path, !axis.range.empty(), "range = [low, high]", !axis.values.empty(),
+                        "values = [...]")) {
+      return;
     }
     if (axis.values.size() == 1) {
-      return fail(path + ".values", "a list of 1", "a list of 2 or more");
+      return reading_.reject(path + ".values", "a list of 1", "a list of 2 or more");
     }
     if (!axis.values.empty() && reading_.has(path + ".steps")) {
-      return must_be_left_out(path + ".steps", "it means nothing to values");
+      return must_be_left_out({path + ".steps"}, "it means nothing to values");
     }
     if (parameter == nullptr) return;
     const std::string points = axis.values.empty() ? ".range" : ".values";
@@ -112,9 +97,6 @@ class PolicyChecker : Checker {
     check_value(path + points, *parameter, all.front());
     check_value(path + points, *parameter, all.back());
   }
-
-  const Study& study_;
-  const sim::SimulatorInfo* info_;
 };
 
 }  // namespace

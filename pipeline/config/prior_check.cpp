@@ -1,12 +1,9 @@
-#include "pipeline/config/prior_check.h"
-
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/normal.h"
-#include "pipeline/config/constraint.h"
+#include "pipeline/config/checker.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -72,7 +69,7 @@ void check_bounds(const Marginal& m, const sim::Parameter& parameter, Reading& r
   const std::string rule = broken_rule(m, parameter);
   if (rule.empty()) return;
   const std::string path = "prior." + m.name;
-  reading.fail(path, must_be(path, fmt::format("[{}, {}]", m.a, m.b), rule));
+  reading.reject(path, fmt::format("[{}, {}]", m.a, m.b), rule);
 }
 
 }  // namespace npdr::pipeline

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "pipeline/config/checker.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 class RolloutChecker : Checker {
  public:
   RolloutChecker(const Study& study, const RolloutShape& shape, Reading& reading)
-      : Checker(reading), study_(study), shape_(shape), num_recorded_(shape.num_rollouts) {
+      : Checker(study, nullptr, reading), shape_(shape), num_recorded_(shape.num_rollouts) {
     if (study.target.recording && !study.target.rollouts.empty())
       shape_.num_rollouts = std::ssize(study.target.rollouts);
   }
@@ -22,12 +23,13 @@ class RolloutChecker : Checker {
   void check() {
     if (!study_.source().gives_motion) {
       for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-        check_features(fmt::format("method[{}]", i), study_.methods[i]);
+        check_features(method_path(i), study_.methods[i]);
       }
       return;
     }
     if (study_.target.recording && shape_.num_steps == 1 && reading_.good("target.recording")) {
-      return fail("target.recording", "one of a single step", "a recording of 2 steps or more");
+      return reading_.reject("target.recording", "one of a single step",
+                             "a recording of 2 steps or more");
     }
     for (const std::uint64_t rollout : study_.target.rollouts) {
       if (study_.target.truth) break;
@@ -47,7 +49,7 @@ class RolloutChecker : Checker {
     check_at_most("evaluate.leave_out", study_.evaluate.leave_out, used_rollouts(),
                   "the rollouts that inference sees");
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-      check_method(fmt::format("method[{}]", i), study_.methods[i]);
+      check_method(method_path(i), study_.methods[i]);
     }
   }
 
@@ -64,8 +66,7 @@ class RolloutChecker : Checker {
                   study_.evaluate.leave_out > 0
                       ? "the rollouts of the target but those that a fold leaves out"
                       : "the rollouts of the target");
-    if (inference::traits_of(method.algorithm.kind).family ==
-        inference::AlgorithmFamily::regression) {
+    if (family_of(method) == inference::AlgorithmFamily::regression) {
       check_at_most(path + ".linear_regression.window", method.linear_regression.window,
                     shape_.num_steps + 1, "the states of a rollout");
       return;
@@ -75,14 +76,13 @@ class RolloutChecker : Checker {
             !cross_validates || fewest_rollouts() > 1,
             used_rollouts() > 1 ? "false: evaluate.leave_out leaves it a single rollout"
                                 : "false with a single rollout: none can be left out");
-    if (!learns_from_rounds(method.algorithm.kind)) return;
+    if (!learns(method)) return;
     check_at_most(path + ".embedding.downsample", method.embedding.downsample, shape_.num_steps / 2,
                   two_states_left());
   }
 
   static bool sees_stored_states(const MethodConfig& method) {
-    return infers(method) && inference::traits_of(method.algorithm.kind).family !=
-                                 inference::AlgorithmFamily::regression;
+    return infers(method) && family_of(method) != inference::AlgorithmFamily::regression;
   }
 
   // Of a single one neither a likelihood nor a distance of trajectories says much.
@@ -107,7 +107,6 @@ class RolloutChecker : Checker {
     return folds > 0 ? used_rollouts() - (used_rollouts() + folds - 1) / folds : used_rollouts();
   }
 
-  const Study& study_;
   RolloutShape shape_;  // of those that are used
   Index num_recorded_;
 };
@@ -136,7 +135,7 @@ void check_recording(const Study& study, const Target& recording) {
   Reading reading(study.places);
   check_rollouts(study, {recording.num_rollouts(), recording.num_steps(), recording.state_channels},
                  reading);
-  reading.problems().throw_if_any();
+  reading.throw_if_bad();
   require_dt_of_policy(study, recording);
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/target.h"
-#include "pipeline/config/problems.h"
+#include "pipeline/config/reading.h"
 #include "pipeline/config/study.h"
 
 namespace npdr::pipeline {

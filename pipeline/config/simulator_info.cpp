@@ -43,7 +43,7 @@ std::optional<Goal> goal_of(const GoalConfig& config, const std::vector<Channel>
   std::vector<double> place;
   for (const auto& [label, value] : config.place) {
     const auto channel = std::ranges::find(states, label, &Channel::label);
-    if (channel == states.end()) continue;  // study_check.h reports it
+    if (channel == states.end()) continue;  // study_check.cpp reports it
     place.push_back(value);
     goal.channels.push_back(channel - states.begin());
   }

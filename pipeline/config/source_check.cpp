@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <set>
 #include <system_error>
 
@@ -18,29 +19,28 @@ namespace {
 
 class SourceChecker : Checker {
  public:
-  SourceChecker(const Study& study, Reading& reading)
-      : Checker(reading), study_(study), source_(study.source()), what_(source_.name) {}
+  SourceChecker(const Study& study, const sim::SimulatorInfo* info, Reading& reading)
+      : Checker(study, info, reading), source_(study.source()), what_(source_.name) {}
 
   void check() {
-    must_be_left_out(unused_fields(SimulatorTable{study_.simulator, study_.external}, "simulator"));
-    if (source_.runs_users_code()) check_files();
+    const ExternalConfig& external = study_.external;
+    must_be_left_out(unused_fields(fields_of(SimulatorTable{study_.simulator, external}),  //
+                                   "simulator"));
+    if (source_.runs_users_code()) {
+      for (const std::string& name : external.files) {
+        const std::filesystem::path path = std::filesystem::path(external.folder) / name;
+        require_file("simulator.files", path.string(), "existing files");
+      }
+    }
     source_.gives_motion ? check_motion() : check_features();
     if (source_.calls_program) check_program();
     if (!source_.simulates) check_dataset();
-    const auto &library = study_.external.library, &mjcf = study_.external.mjcf;
-    if (library) require_file("simulator.library", *library, "an existing file");
-    if (mjcf) require_file("simulator.mjcf", *mjcf, "an existing file");
+    if (external.library) require_file("simulator.library", *external.library, "an existing file");
+    if (external.mjcf) require_file("simulator.mjcf", *external.mjcf, "an existing file");
     if (!source_.describes_itself) check_parameters();
   }
 
  private:
-  void check_files() {
-    for (const std::string& name : study_.external.files) {
-      const std::filesystem::path path = std::filesystem::path(study_.external.folder) / name;
-      require_file("simulator.files", path.string(), "existing files");
-    }
-  }
-
   void check_parameters() {
     const auto& parameters = study_.external.parameters;
     std::set<std::string> names;
@@ -53,64 +53,52 @@ class SourceChecker : Checker {
       require(path + ".lower", lower, lower < upper, fmt::format("< upper = {}", upper));
       require(path + ".nominal", nominal, !p.nominal || (nominal >= lower && nominal <= upper),
               "in the parameter's limits");
-      if (!p.nominal && !is_in_prior(p.name) && !study_.simulator.parameters.contains(p.name)) {
-        reading_.fail(path + ".nominal",
-                      fmt::format("{} of '{}' is missing, must be a number: neither [prior] nor "
-                                  "simulator.parameters has the parameter",
-                                  display(path + ".nominal"), p.name));
-      }
+      const bool is_in_prior =
+          std::ranges::count(study_.prior, p.name, &inference::Marginal::name) > 0;
+      if (p.nominal || is_in_prior || study_.simulator.parameters.contains(p.name)) continue;
+      fail(path + ".nominal",
+           fmt::format("{} of '{}' is missing, must be a number: neither [prior] nor "
+                       "simulator.parameters has the parameter",
+                       display(path + ".nominal"), p.name));
     }
   }
 
-  bool is_in_prior(const std::string& name) const {
-    return std::ranges::count(study_.prior, name, &inference::Marginal::name) > 0;
-  }
-
-  // Channels that the study names, of a program or a model of MuJoCo.
-  void check_channels() {
-    check_labels("simulator.states", study_.external.states, "theta [rad]");
-    check_labels("simulator.actions", study_.external.actions, "voltage [V]");
-    const bool is_worker = source_.kind == SourceKind::worker;
-    require_there("simulator.states", !is_worker || !study_.external.states.empty(),
-                  "the state channels that the worker returns, such as [\"q [m]\", \"v [m/s]\"]");
-  }
-
-  void require_there(const std::string& path, bool is_there, const std::string& words) {
-    if (is_there || !reading_.good(path)) return;
-    reading_.fail(path, path + " is missing, must be " + words);
-  }
-
-  void check_labels(const char* path, const std::vector<std::string>& names, const char* example) {
+  // Labels of channels, or of features, which differ. In CSV files they head columns.
+  void check_labels(const char* path, const std::vector<std::string>& names, bool are_columns) {
     std::set<std::string> labels;
     for (const std::string& name : names) {
       const std::string label = parse_feature(name).label;
-      if (!label.empty() && labels.insert(label).second) {
-        if (study_.external.command) check_column(path, label);
-        continue;
+      if (label.empty() || !labels.insert(label).second) {
+        reading_.reject(path, quoted(name), "distinct labels, such as \"theta [rad]\"");
+      } else if (are_columns && !satisfies(label, column_name())) {
+        reading_.reject(path, quoted(name), column_name().words);
+      } else if (source_.gives_motion && are_columns && (label == "steps" || label == "past")) {
+        reading_.reject(path, quoted(name),
+                        "another name: a file of segments has a column of this one");
       }
-      fail(path, quoted(name), fmt::format("distinct labels, such as \"{}\"", example));
     }
   }
 
-  // They head the columns of the files that a command reads.
-  void check_column(const char* path, const std::string& label) {
-    const Constraint<std::string> allowed = column_name();
-    if (!satisfies(label, allowed)) fail(path, quoted(label), allowed.words);
-    if (label == "steps" || label == "past") {
-      fail(path, quoted(label), "another name: a file of segments has a column of this one");
+  // So do parameters.
+  void check_parameter_names() {
+    const auto check_name = [&](const std::string& table, const std::string& name) {
+      if (satisfies(name, column_name())) return;
+      fail(table + "." + name,
+           fmt::format("{}: the name {} must be {}", table, quoted(name), column_name().words));
+    };
+    for (const inference::Marginal& marginal : study_.prior) check_name("prior", marginal.name);
+    for (const auto& [name, value] : study_.simulator.parameters) {
+      check_name("simulator.parameters", name);
     }
   }
 
   // How a truth's rollouts begin, and how long they are.
   void check_truths_beginning() {
     const ExternalConfig& external = study_.external;
-    const bool needs_none = !study_.target.truth || study_.target.inputs;
-    if (needs_none) {
-      for (const char* key : {"simulator.dt", "simulator.num_steps", "simulator.initial_states"}) {
-        must_be_left_out(key,
-                         study_.target.truth ? "target.inputs says it" : "the recording says it");
-      }
-      return;
+    if (!study_.target.truth || study_.target.inputs) {
+      return must_be_left_out(
+          {"simulator.dt", "simulator.num_steps", "simulator.initial_states"},
+          study_.target.truth ? "target.inputs says it" : "the recording says it");
     }
     const std::string why =
         ": a truth has no recording to take it from; target.inputs = "
@@ -122,87 +110,60 @@ class SourceChecker : Checker {
     if (source_.describes_itself) return;  // how many states that is, is known when it is loaded
     for (const std::vector<double>& state : external.initial_states) {
       if (state.size() == external.states.size()) continue;
-      fail("simulator.initial_states", counted(std::ssize(state), "number"),
-           fmt::format("lists of {}, one for each of simulator.states", external.states.size()));
-    }
-  }
-
-  void check_features() {
-    check_unused();
-    check_names();
-    check_target();
-    check_values();
-    for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-      check_method(fmt::format("method[{}]", i), study_.methods[i]);
+      reading_.reject(
+          "simulator.initial_states", counted(std::ssize(state), "number"),
+          fmt::format("lists of {}, one for each of simulator.states", external.states.size()));
     }
   }
 
   void check_motion() {
-    must_be_left_out("target.observation", "it is for a simulator.command or dataset");
+    const ExternalConfig& external = study_.external;
+    must_be_left_out({"target.observation"}, "it is for a simulator.command or dataset");
     if (!source_.is_built_in) {
-      check_channels();
+      check_labels("simulator.states", external.states, external.command.has_value());
+      check_labels("simulator.actions", external.actions, external.command.has_value());
+      require_there("simulator.states", !external.worker || !external.states.empty(),
+                    "the state channels that the worker returns, such as [\"q [m]\", \"v [m/s]\"]");
       check_truths_beginning();
     }
-    if (study_.external.command) check_parameter_names();
-    if (!source_.describes_itself) check_values();
+    if (external.command) check_parameter_names();
+    if (!source_.describes_itself) check_nominal_values();
     if (std::ranges::count(study_.evaluate.metrics, Metric::distance) > 0) {
-      fail("evaluate.metrics", quoted(name_of(Metric::distance)),
-           "left out: it is for a simulator.command");
+      reading_.reject("evaluate.metrics", quoted(name_of(Metric::distance)),
+                      "left out: it is for a simulator.command");
     }
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-      if (study_.methods[i].embedding.kind != inference::EmbeddingKind::identity) continue;
-      fail(fmt::format("method[{}].embedding.kind", i), "'identity'",
-           "another: it is for a simulator.command or dataset; 'all_steps' keeps all states");
+      const inference::EmbeddingKind kind = study_.methods[i].embedding.kind;
+      require(method_path(i) + ".embedding.kind", kind, kind != inference::EmbeddingKind::identity,
+              "another: it is for a simulator.command or dataset; 'all_steps' keeps all states");
     }
   }
 
-  void check_unused() {
-    for (const char* path : {"target.recording", "target.inputs", "target.rollouts",
-                             "target.num_rollouts", "target.held_out", "evaluate.leave_out"}) {
-      must_be_left_out(path, no_rollouts());
+  void check_features() {
+    must_be_left_out({"target.recording", "target.inputs", "target.rollouts", "target.num_rollouts",
+                      "target.held_out", "evaluate.leave_out"},
+                     no_rollouts());
+    must_be_left_out({"evaluate.floor"}, "no search is made with a " + what_);
+    if (!source_.simulates || study_.evaluate.metrics != std::vector{Metric::distance}) {
+      must_be_left_out({"evaluate.metrics"}, no_rollouts());
     }
-    must_be_left_out("evaluate.floor", "no search is made with a " + what_);
-    const std::vector<Metric> only_metric = {Metric::distance};
-    if (!source_.simulates || study_.evaluate.metrics != only_metric) {
-      must_be_left_out("evaluate.metrics", no_rollouts());
-    }
-  }
-
-  // They head the columns of CSV files.
-  void check_names() {
-    const Constraint<std::string> allowed = column_name();
-    std::set<std::string> features;
-    for (const std::string& name : study_.external.features) {
-      const std::string label = parse_feature(name).label;
-      if (!satisfies(label, allowed)) fail("simulator.features", quoted(name), allowed.words);
-      if (!features.insert(label).second) fail("simulator.features", quoted(name), "there once");
-    }
+    check_labels("simulator.features", study_.external.features, true);
     check_parameter_names();
-  }
-
-  void check_parameter_names() {
-    const Constraint<std::string> allowed = column_name();
-    for (const inference::Marginal& marginal : study_.prior) {
-      if (satisfies(marginal.name, allowed)) continue;
-      reading_.fail("prior." + marginal.name, fmt::format("prior: the name {} must be {}",
-                                                          quoted(marginal.name), allowed.words));
-    }
-    for (const auto& [name, value] : study_.simulator.parameters) {
-      if (satisfies(name, allowed)) continue;
-      reading_.fail(
-          "simulator.parameters." + name,
-          fmt::format("simulator.parameters: the name {} must be {}", quoted(name), allowed.words));
+    check_target();
+    check_nominal_values();
+    for (std::size_t i = 0; i < study_.methods.size(); ++i) {
+      check_method(method_path(i), study_.methods[i]);
     }
   }
 
-  void check_values() {
+  // Without nominal values, whoever names parameters must name all of the prior.
+  void check_nominal_values() {
     if (study_.target.truth) check_complete("target.truth", *study_.target.truth);
     for (std::size_t i = 0; i < study_.references.size(); ++i) {
       check_complete(fmt::format("reference[{}].parameters", i), study_.references[i].parameters);
     }
   }
 
-  // Without nominal values, whoever names parameters must name all of the prior.
   void check_complete(const std::string& path, const std::map<std::string, double>& values) {
     for (const inference::Marginal& marginal : study_.prior) {
       const auto& described = study_.external.parameters;
@@ -210,33 +171,33 @@ class SourceChecker : Checker {
       if (!described.empty() && known == described.end()) continue;  // it is unknown, and told so
       const bool has_nominal = known != described.end() && known->nominal;
       if (has_nominal || values.contains(marginal.name)) continue;
-      reading_.fail(path, fmt::format("{}: '{}' is missing: a {} has no nominal values",
-                                      display(path), marginal.name, what_));
+      fail(path, fmt::format("{}: '{}' is missing: a {} has no nominal values", display(path),
+                             marginal.name, what_));
     }
   }
 
   void check_target() {
-    const TargetConfig& target = study_.target;
-    if (!reading_.good("target.observation") || !reading_.good("target.truth")) return;
-    if (target.observation.has_value() == target.truth.has_value()) {
-      reading_.fail("target",
-                    fmt::format("target has {} observation = \"x_o.csv\" {} truth = {{ parameter = "
-                                "value }}, must have one of them",
-                                target.truth ? "both" : "neither", target.truth ? "and" : "nor"));
-    } else if (target.truth) {
+    const std::optional<std::string>& observation = study_.target.observation;
+    const bool has_truth = study_.target.truth.has_value();
+    if (!reading_.good("target.observation") || !reading_.good("target.truth") ||
+        !require_one_of("target", observation.has_value(), "observation = \"x_o.csv\"", has_truth,
+                        "truth = { parameter = value }")) {
+      return;
+    }
+    if (observation) {
+      must_be_left_out({"target.seed"}, "it picks the random behavior of a truth");
+      require_file("target.observation", *observation, "an existing CSV or HDF5 file");
+    } else {
       require_there("simulator.features", !study_.external.features.empty() || !source_.simulates,
                     "the names of what x holds: with a truth there is no file of x_o to take them "
                     "from");
-    } else {
-      must_be_left_out("target.seed", "it picks the random behavior of a truth");
-      require_file("target.observation", *target.observation, "an existing CSV or HDF5 file");
     }
   }
 
   void check_method(const std::string& path, const MethodConfig& method) {
-    for (const char* key : {".num_rollouts", ".embedding.downsample", ".embedding.features"}) {
-      must_be_left_out(path + key, no_rollouts());
-    }
+    must_be_left_out({path + ".num_rollouts", path + ".embedding.downsample",  //
+                      path + ".embedding.features"},
+                     no_rollouts());
     const inference::EmbeddingKind kind = method.embedding.kind;
     require(path + ".embedding.kind", kind, kind == inference::EmbeddingKind::identity,
             "'identity': " + no_rollouts());
@@ -249,25 +210,23 @@ class SourceChecker : Checker {
     const ExternalConfig& external = study_.external;
     std::error_code unreadable;
     if (!std::filesystem::is_directory(external.folder, unreadable)) {
-      return fail("simulator.folder", quoted(external.folder), "an existing folder");
+      return reading_.reject("simulator.folder", quoted(external.folder), "an existing folder");
     }
     const std::string& command = external.worker ? *external.worker : *external.command;
     const std::string fault = program_fault(command, external.folder);
     if (fault.empty()) return;
-    fail("simulator." + what_, quoted(command), "a command that can be run: " + fault);
+    reading_.reject("simulator." + what_, quoted(command), "a command that can be run: " + fault);
   }
 
   void check_dataset() {
-    for (const char* path : {"simulator.parameters", "target.truth", "target.seed"}) {
-      must_be_left_out(path, "a dataset can't be simulated again");
-    }
+    must_be_left_out({"simulator.parameters", "target.truth", "target.seed"},
+                     "a dataset can't be simulated again");
     require_file("simulator.dataset", *study_.external.dataset,
                  "an existing HDF5 file; 'npdr import --theta' makes one of CSV files");
   }
 
   std::string no_rollouts() const { return "a " + what_ + " gives no rollouts"; }
 
-  const Study& study_;
   const SourceTraits& source_;
   std::string what_;
 };
@@ -294,21 +253,18 @@ bool has_source(const Study& study, const Reading& reading) {
   return sources_of(study).size() == 1;
 }
 
-void check_source(const Study& study, Reading& reading) {
+void check_source(const Study& study, const sim::SimulatorInfo* info, Reading& reading) {
+  if (has_source(study, reading)) return SourceChecker(study, info, reading).check();
   if (!reading.good("simulator")) return;
   const std::vector<std::string> found = sources_of(study);
   if (found.empty()) {
     reading.fail("simulator.name",
                  "simulator.name is missing, must be text, one of " + join(sim::simulator_names()) +
                      "; a command, worker, library, mjcf or dataset may take its place");
-  } else if (found.size() > 1) {
+  } else {
     reading.fail("simulator." + found.back(),
                  "simulator has " + join(found, " and ") + ", must have one of them");
   }
-}
-
-void check_source_settings(const Study& study, Reading& reading) {
-  if (has_source(study, reading)) SourceChecker(study, reading).check();
 }
 
 void check_dataset_rows(const Study& study, Index num_rows) {
@@ -317,14 +273,13 @@ void check_dataset_rows(const Study& study, Index num_rows) {
     const Index wanted = study.methods[i].algorithm.num_simulations;
     if (wanted <= num_rows) continue;
     const std::string path = "method[" + std::to_string(i) + "].num_simulations";
-    Checker(reading).fail(path, std::to_string(wanted),
-                          "<= " + std::to_string(num_rows) + ", the rows of the dataset");
+    reading.reject(path, std::to_string(wanted),
+                   "<= " + std::to_string(num_rows) + ", the rows of the dataset");
   }
   if (num_rows > std::numeric_limits<std::uint32_t>::max()) {
-    Checker(reading).fail("simulator.dataset", std::to_string(num_rows) + " rows",
-                          "of < 2^32 rows");
+    reading.reject("simulator.dataset", std::to_string(num_rows) + " rows", "of < 2^32 rows");
   }
-  reading.problems().throw_if_any();
+  reading.throw_if_bad();
 }
 
 void take_units(Study& study, const std::vector<Channel>& parameters) {
@@ -342,17 +297,17 @@ void take_units(Study& study, const std::vector<Channel>& parameters) {
     const std::string path = fmt::format("simulator.parameter[{}].unit", known - described.begin());
     const std::string stated = known->unit;
     if (!satisfies(unit, allowed)) {
-      Checker(reading).fail("simulator.dataset", fmt::format("with '{}' in {}", name, quoted(unit)),
-                            "with units that are " + allowed.words);
+      reading.reject("simulator.dataset", fmt::format("with '{}' in {}", name, quoted(unit)),
+                     "with units that are " + allowed.words);
       continue;
     }
     if (study.places.has(path) && stated != unit) {
-      Checker(reading).fail(path, quoted(stated), quoted(unit) + ", as in the dataset");
+      reading.reject(path, quoted(stated), quoted(unit) + ", as in the dataset");
     }
     known->unit = unit;
     study.prior[d].unit = unit;
   }
-  reading.problems().throw_if_any();
+  reading.throw_if_bad();
 }
 
 }  // namespace npdr::pipeline

@@ -1,4 +1,4 @@
-#include "pipeline/config/study_check.h"
+#include "pipeline/config/checker.h"
 
 #include <optional>
 #include <set>
@@ -8,39 +8,30 @@
 #include "core/error.h"
 #include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/check.h"
-#include "pipeline/config/checker.h"
-#include "pipeline/config/cluster_check.h"
-#include "pipeline/config/part_checks.h"
-#include "pipeline/config/prior_check.h"
+#include "pipeline/config/field_constraints.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
-#include "pipeline/config/source_check.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
 
 using inference::Marginal;
-using Numbers = std::map<std::string, double>;
-
-constexpr const char* kRecordingFile =
-    "an existing HDF5 file; 'npdr import' makes one of CSV files";
 
 class StudyChecker : Checker {
  public:
-  StudyChecker(Study& study, Reading& reading) : Checker(reading), study_(study) {}
+  StudyChecker(Study& study, const sim::SimulatorInfo* info, Reading& reading)
+      : Checker(study, info, reading), prior_(study.prior) {}
 
   void check() {
-    check_source(study_, reading_);
-    load_simulator();
-    const sim::SimulatorInfo* const info = info_ ? &*info_ : nullptr;
-    check_source_settings(study_, reading_);
-    check_noise(study_, info, reading_);
+    check_source(study_, info_, reading_);
+    check_noise(study_, info_, reading_);
     check_target();
     check_values("simulator.parameters", study_.simulator.parameters);
-    for (Marginal& marginal : study_.prior) check_marginal(marginal);
+    for (Marginal& marginal : prior_) check_marginal(marginal);
     check_method_names();
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-      check_method(study_, i, info, reading_);
+      check_method(study_, i, info_, reading_);
     }
     check_diagnose();
     check_references();
@@ -48,64 +39,48 @@ class StudyChecker : Checker {
     check_metrics();
     check_held_out();
     check_report();
-    check_policy(study_, info, reading_);
-    check_cluster(study_, reading_);
+    check_policy(study_, info_, reading_);
+    check_cluster();
     check_truths_rollouts();
     check_simulator();
   }
 
  private:
-  // Needs nothing but the name; the other checks need what it finds.
-  void load_simulator() {
-    if (!has_source(study_, reading_)) return;
-    try {
-      info_ = simulator_info(study_);
-    } catch (const InputError& error) {  // of a library, or a model of MuJoCo
-      reading_.fail(study_.external.mjcf ? "simulator.mjcf" : "simulator.library", error.what());
-    }
-  }
-
   // The simulator has the last word on its settings; its message has no position.
   void check_simulator() {
-    if (!reading_.problems().empty() || !study_.source().is_built_in) return;
+    if (!reading_.is_fine() || !study_.source().is_built_in) return;
     try {
       sim::make_simulator(study_.simulator);
     } catch (const InputError& error) {
-      reading_.fail("simulator", error.what());
+      fail("simulator", error.what());
     }
   }
 
   void check_target() {
     const TargetConfig& target = study_.target;
-    if (!study_.source().gives_motion) {
-      if (target.truth) check_values("target.truth", *target.truth);
+    const bool gives_motion = study_.source().gives_motion;
+    if (target.truth) check_values("target.truth", *target.truth);
+    if (!gives_motion) return;
+    const bool is_readable = reading_.good("target.recording") && reading_.good("target.truth");
+    if (is_readable &&
+        !require_one_of("target", target.recording.has_value(), "recording = \"file.h5\"",
+                        target.truth.has_value(), "truth = { parameter = value }")) {
       return;
     }
-    const bool readable = reading_.good("target.recording") && reading_.good("target.truth");
-    if (readable && target.recording.has_value() == target.truth.has_value()) {
-      return reading_.fail(
-          "target", fmt::format("target has {} recording = \"file.h5\" {} truth = {{ parameter = "
-                                "value }}, must have one of them",
-                                target.truth ? "both" : "neither", target.truth ? "and" : "nor"));
+    if (target.recording) {
+      require_recording("target.recording", *target.recording);
+      must_be_left_out({"target.seed"}, "it picks the behavior of a truth");
     }
-    if (target.recording) check_recorded(*target.recording);
-    if (!target.truth) return must_be_left_out("target.inputs", "it is for a truth");
-    if (target.inputs) require_file("target.inputs", *target.inputs, kRecordingFile);
-    must_be_left_out("target.rollouts", "it picks those of a recording");
-    check_values("target.truth", *target.truth);
-    if (target.num_rollouts < 1 && !target.inputs) {
-      fail("target.num_rollouts", "0", ">= 1 with a truth: there is no recording to take all of");
-    }
+    if (!target.truth) return must_be_left_out({"target.inputs"}, "it is for a truth");
+    if (target.inputs) require_recording("target.inputs", *target.inputs);
+    must_be_left_out({"target.rollouts"}, "it picks those of a recording");
+    require("target.num_rollouts", target.num_rollouts, target.num_rollouts >= 1 || target.inputs,
+            ">= 1 with a truth: there is no recording to take all of");
   }
 
-  void check_recorded(const std::string& recording) {
-    if (recording.ends_with(".csv")) {
-      return fail("target.recording", quoted(recording), kRecordingFile);
-    }
-    require_file("target.recording", recording, kRecordingFile);
-    if (!reading_.has("target.seed")) return;
-    fail("target.seed", std::to_string(study_.target.seed),
-         "left out with a recording: it picks the behavior of a truth");
+  void require_recording(const std::string& path, const std::string& file) {
+    constexpr const char* words = "an existing HDF5 file; 'npdr import' makes one of CSV files";
+    if (require(path, file, !file.ends_with(".csv"), words)) require_file(path, file, words);
   }
 
   // Those of a recording are known when it has been read.
@@ -119,24 +94,15 @@ class StudyChecker : Checker {
                    reading_);
   }
 
-  void check_values(const std::string& path, const Numbers& values) {
-    if (!info_) return;
-    for (const auto& [name, value] : values) {
-      const std::string member = fmt::format("{}.{}", path, name);
-      const sim::Parameter* parameter = find_parameter(member, display(path), *info_, name);
-      if (parameter != nullptr && reading_.good(member)) check_value(member, *parameter, value);
-    }
-  }
-
   void check_marginal(Marginal& marginal) {
     const std::string path = "prior." + marginal.name;
     if (study_.simulator.parameters.contains(marginal.name)) {
-      reading_.fail(path, fmt::format("'{}' is in the prior and in simulator.parameters, must be "
-                                      "in one of them",
-                                      marginal.name));
+      fail(path, fmt::format("'{}' is in the prior and in simulator.parameters, must be in one of "
+                             "them",
+                             marginal.name));
     }
     if (!info_) return;
-    const sim::Parameter* parameter = find_parameter(path, "prior", *info_, marginal.name);
+    const sim::Parameter* parameter = find_parameter(path, "prior", marginal.name);
     if (parameter == nullptr || !reading_.good(path)) return;
     marginal.unit = parameter->unit;
     check_bounds(marginal, *parameter, reading_);
@@ -148,18 +114,19 @@ class StudyChecker : Checker {
     if (!reading_.has("diagnose")) return;
     bool means_something = study_.diagnose.checks.empty() || study_.methods.empty();
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-      if (!reading_.good(fmt::format("method[{}].algorithm", i))) return;
+      if (!reading_.good(method_path(i) + ".algorithm")) return;
       means_something |= !study_.diagnose_of(study_.methods[i]).checks.empty();
     }
     if (!means_something) {
-      fail("diagnose.checks", fmt::format("[{}]", join(to_names(study_.diagnose.checks))),
-           "such that one of them means something to a method: calibration needs a network, and "
-           "more simulations than a dataset holds; 'held_out' needs target.held_out, 'dataset' a "
-           "dataset");
+      reading_.reject(
+          "diagnose.checks", fmt::format("[{}]", join(to_names(study_.diagnose.checks))),
+          "such that one of them means something to a method: calibration needs a network, and "
+          "more simulations than a dataset holds; 'held_out' needs target.held_out, 'dataset' a "
+          "dataset");
     }
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
       const inference::AlgorithmConfig& algorithm = study_.methods[i].algorithm;
-      require(fmt::format("method[{}].num_simulations", i), algorithm.num_simulations,
+      require(method_path(i) + ".num_simulations", algorithm.num_simulations,
               !study_.diagnose_of(study_.methods[i]).has(Check::ood) ||
                   algorithm.num_rounds * algorithm.num_simulations >= fewest,
               fmt::format("such that all rounds have {} or more with the check 'ood'", fewest));
@@ -189,8 +156,8 @@ class StudyChecker : Checker {
       require_known(path, path, "state channel", label, labels_of(info_->state_channels));
     }
     if (study_.external.goal.radius > 0.0 && study_.external.goal.place.empty()) {
-      reading_.fail("simulator.goal.radius",
-                    path + " is missing, must say where the goal is, by state channels");
+      fail("simulator.goal.radius",
+           path + " is missing, must say where the goal is, by state channels");
     }
   }
 
@@ -201,7 +168,7 @@ class StudyChecker : Checker {
     };
     const auto leave_out = [&](Metric metric, const std::string& why) {
       if (std::ranges::count(study_.evaluate.metrics, metric) == 0) return;
-      fail("evaluate.metrics", quoted(name_of(metric)), "left out: " + why);
+      reading_.reject("evaluate.metrics", quoted(name_of(metric)), "left out: " + why);
     };
     if (!info_->goal) {
       leave_out(Metric::goal, fmt::format("the simulator '{}' has no goal", info_->name));
@@ -215,15 +182,33 @@ class StudyChecker : Checker {
   // Which rollouts are held out is a count from the first that inference sees.
   void check_held_out() {
     const TargetConfig& target = study_.target;
-    if (target.held_out == 0 || target.num_rollouts > 0 || !reading_.good("target.held_out"))
-      return;
-    fail("target.num_rollouts", "0", ">= 1 with held_out: the rollouts after those are held out");
+    require("target.num_rollouts", target.num_rollouts,
+            target.held_out == 0 || target.num_rollouts > 0,
+            ">= 1 with held_out: the rollouts after those are held out", {"target.held_out"});
+  }
+
+  // A job would be asked to stop before it has begun.
+  void check_cluster() {
+    const ClusterConfig& cluster = study_.cluster;
+    const auto check_time = [&](const std::string& path, const Field& field) {
+      if (field.key != "time" || field.value == "" || !reading_.good(path)) return;
+      const std::string time = field.value;
+      require(path, time, seconds_of(time) > static_cast<double>(cluster.signal_seconds),
+              fmt::format("longer than cluster.signal_seconds = {}", cluster.signal_seconds),
+              {"cluster.signal_seconds"});
+    };
+    for (const Field& field : fields_of(cluster)) {
+      const std::string path = "cluster." + field.key;
+      check_time(path, field);
+      if (field.kind != Field::Kind::table) continue;
+      for (const Field& member : field.members.front()) check_time(path + ".time", member);
+    }
   }
 
   void check_method_names() {
     std::map<std::string, std::string> names;  // by folder
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-      const std::string path = fmt::format("method[{}].name", i);
+      const std::string path = method_path(i) + ".name";
       const std::string& name = study_.methods[i].name;
       if (!reading_.good(path)) continue;
       const auto [found, is_new] = names.emplace(folder_slug(name), name);
@@ -247,25 +232,39 @@ class StudyChecker : Checker {
     for (const auto& [parameter, symbol] : study_.report.symbols) {
       require_parameter("report.symbols", parameter);
       if (analysis::is_latex_symbol(symbol)) continue;
-      fail("report.symbols." + parameter, shortened(symbol),
-           "a formula of letters, digits, _ ^ { } and commands such as \\theta or \\dot, without "
-           "$");
+      reading_.reject(
+          "report.symbols." + parameter, shortened(symbol),
+          "a formula of letters, digits, _ ^ { } and commands such as \\theta or \\dot, without "
+          "$");
     }
     if (shown.empty() || !reading_.good("report.parameters")) return;
     const bool are_distinct = std::set(shown.begin(), shown.end()).size() == shown.size();
     const Range counts{analysis::kMinPairParameters, analysis::kMaxPairParameters};
     if (are_distinct && counts.contains(static_cast<double>(shown.size()))) return;
-    fail("report.parameters", fmt::format("[{}]", shortened(join(shown))),
-         fmt::format("{} to {} different parameters of the prior, or none",
-                     analysis::kMinPairParameters, analysis::kMaxPairParameters));
+    reading_.reject("report.parameters", fmt::format("[{}]", shortened(join(shown))),
+                    fmt::format("{} to {} different parameters of the prior, or none",
+                                analysis::kMinPairParameters, analysis::kMaxPairParameters));
   }
 
-  Study& study_;
-  std::optional<sim::SimulatorInfo> info_;
+  std::vector<Marginal>& prior_;
 };
+
+// Needs nothing but the name.
+std::optional<sim::SimulatorInfo> load_simulator(const Study& study, Reading& reading) {
+  if (!has_source(study, reading)) return std::nullopt;
+  try {
+    return simulator_info(study);
+  } catch (const InputError& error) {  // of a library, or a model of MuJoCo
+    reading.fail(study.external.mjcf ? "simulator.mjcf" : "simulator.library", error.what());
+    return std::nullopt;
+  }
+}
 
 }  // namespace
 
-void check_study(Study& study, Reading& reading) { StudyChecker(study, reading).check(); }
+void check_study(Study& study, Reading& reading) {
+  const std::optional<sim::SimulatorInfo> info = load_simulator(study, reading);
+  StudyChecker(study, info ? &*info : nullptr, reading).check();
+}
 
 }  // namespace npdr::pipeline

@@ -1,6 +1,6 @@
 /// One description of every field of a study: key, place in memory, what it may hold, one line of
-/// documentation. The visitors that walk it read TOML (field_reader.h), write JSON
-/// (json_fields.h) and list the keys (study_keys.h), so that none of them can forget a field.
+/// documentation. One visitor reads it from files (field_reader.h), another lists it with its
+/// values (field_list.h) for all that writes, so that none of them can forget a field.
 ///
 /// A visitor has three members, whose last argument may be left out (field_use.h):
 ///   f(key, value, constraint, doc, use)  a field; a default that isn't allowed makes it required
@@ -65,7 +65,7 @@ void describe(Fields& f, ObservationNoise& c) {
     without("scale", c.scale > 0.0));
   f("std", c.std, few_numbers(),
     "standard deviation of some channels in their units, in place of scale: { theta = 0.01 }");
-  f("correlation", c.correlation, correlation_constraint(),
+  f("correlation", c.correlation, interval(">=", 0, "<", 1),
     "of neighboring stored states' noise, which begins anew in each segment; none when left out",
     of_noise);
   f("correlation_prior", c.correlation_prior, noise_prior(0.0, "correlation", 1.0),
@@ -104,7 +104,7 @@ void describe(Fields& f, DiagnoseConfig& c) {
     {.affects = c.calibrates() ? Affects::results : Affects::report});
   f("num_samples", c.num_samples, between(inference::kFewestSimulations, 1'000'000),
     "posterior samples per observation");
-  f("alpha", c.alpha, strictly_between(0, 1),
+  f("alpha", c.alpha, interval(">", 0, "<", 1),
     "probability that a method without fault fails any of its checks",
     {.affects = Affects::report});
 }
@@ -149,10 +149,10 @@ void describe(Fields& f, PolicyConfig& c) {
     "the deviation never falls below, in any direction; <= initial_std");
   f("num_importance_samples", c.search.num_importance_samples, between(1, 100'000),
     "\"power\": the best candidates so far, of which the next policy is made", only_of(power));
-  f("elite_fraction", c.search.elite_fraction, quantile_constraint(),
+  f("elite_fraction", c.search.elite_fraction, interval(">", 0, "<=", 1),
     "\"cross_entropy\": share of the candidates of which the next policy is made",
     only_of(cross_entropy));
-  f("smoothing", c.search.smoothing, quantile_constraint(),
+  f("smoothing", c.search.smoothing, interval(">", 0, "<=", 1),
     "\"cross_entropy\": weight of the new distribution against the old one",
     only_of(cross_entropy));
   const auto describe_grid = [&](auto& grid) {

@@ -5,42 +5,43 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/field_reader.h"
-#include "pipeline/config/json_fields.h"
 #include "pipeline/config/study_fields.h"
 
 namespace npdr::pipeline {
 
-namespace {
+using Json = nlohmann::ordered_json;
 
-template <class Config>
-Json write(Config copy, std::function<bool(const FieldUse&)> is_kept) {
-  JsonWriter writer(std::move(is_kept));
-  describe(writer, copy);  // it is the readers', too, and takes what it can change
-  return writer.json();
-}
-
-}  // namespace
-
-template <class Config>
-Json to_json(const Config& config) {
-  return write(config, nullptr);
-}
-
-Json to_json(const Study& study) { return to_json<Study>(study); }
-
-template <class Config>
-Json key_json(const Config& config, Affects affects) {
-  return write(config, [affects](const FieldUse& use) {
-    return use.affects == affects && use.unused.empty();
-  });
+Json json_of(const Fields& fields, const std::function<bool(const FieldUse&)>& is_kept) {
+  Json json = Json::object();
+  for (const Field& field : fields) {
+    if (!is_kept(field.use)) continue;
+    if (field.kind == Field::Kind::value) {
+      if (!field.value.is_null()) json[field.key] = field.value;
+    } else if (field.kind == Field::Kind::table) {
+      json[field.key] = json_of(field.members.front(), is_kept);
+    } else {
+      Json& tables = json[field.key] = Json::array();
+      for (const Fields& members : field.members) tables.push_back(json_of(members, is_kept));
+    }
+  }
+  return json;
 }
 
 Json document_json(const Study& study) {
-  return write(study,
-               [](const FieldUse& use) { return use.affects != Affects::nothing && !use.omitted; });
+  return json_of(fields_of(study), [](const FieldUse& use) {
+    return use.affects != Affects::nothing && !use.omitted;
+  });
 }
 
-Json to_json(const std::vector<inference::Marginal>& prior) { return json_value(prior); }
+Json to_json(const std::vector<inference::Marginal>& prior) {
+  Json json = Json::array();
+  for (const inference::Marginal& marginal : prior) {
+    json.push_back({{"name", marginal.name},
+                    {"unit", marginal.unit},
+                    {name_of(marginal.kind), {marginal.a, marginal.b}}});
+  }
+  return json;
+}
 
 template <class Config>
 Config from_json(const Json& json, const std::string& where) {
@@ -51,7 +52,7 @@ Config from_json(const Json& json, const std::string& where) {
   FieldReader reader(&document, "", reading);
   describe(reader, config);
   reader.reject_unknown_keys();
-  reading.problems().throw_if_any();
+  reading.throw_if_bad();
   return config;
 }
 
@@ -76,24 +77,6 @@ std::vector<inference::Marginal> prior_from_json(const Json& json, const std::st
   throw InputError(where + ": prior = " + shortened(json.dump()) +
                    R"(, must be a list of {"name", "unit", "uniform": [low, high]})");
 }
-
-template Json to_json(const sim::SimulatorConfig&);
-template Json to_json(const inference::EmbeddingConfig&);
-template Json to_json(const inference::TrainedEmbeddingConfig&);
-template Json to_json(const inference::EstimatorConfig&);
-template Json to_json(const inference::TrainingConfig&);
-template Json to_json(const inference::AlgorithmConfig&);
-template Json to_json(const inference::SamplerConfig&);
-template Json to_json(const ObservationNoise&);
-template Json to_json(const MethodConfig&);
-template Json to_json(const DiagnoseConfig&);
-template Json to_json(const PolicyConfig&);
-
-template Json key_json(const SimulatorTable&, Affects);
-template Json key_json(const ObservationNoise&, Affects);
-template Json key_json(const MethodConfig&, Affects);
-template Json key_json(const DiagnoseConfig&, Affects);
-template Json key_json(const PolicyConfig&, Affects);
 
 template sim::SimulatorConfig from_json(const Json&, const std::string&);
 template SimulatorTable from_json(const Json&, const std::string&);

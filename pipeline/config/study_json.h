@@ -5,29 +5,34 @@
 /// columns of theta, survives any JSON library.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
-#include "pipeline/config/field_use.h"
+#include "pipeline/config/field_list.h"
 #include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
 
-/// The resolved study. Its tables have the names of the study file's.
-nlohmann::ordered_json to_json(const Study& study);
+/// Those whose use `is_kept`.
+nlohmann::ordered_json json_of(const Fields& fields,
+                               const std::function<bool(const FieldUse&)>& is_kept);
 
-/// One part of a study. Config is one of sim::SimulatorConfig, inference::EmbeddingConfig,
-/// EstimatorConfig, TrainingConfig, AlgorithmConfig, SamplerConfig; ObservationNoise, MethodConfig,
-/// DiagnoseConfig, PolicyConfig.
+/// A study, whose tables have the names of the study file's, or one part of it (fields_of()).
 template <class Config>
-nlohmann::ordered_json to_json(const Config& config);
-
+nlohmann::ordered_json to_json(const Config& config) {
+  return json_of(fields_of(config), [](const FieldUse&) { return true; });
+}
 nlohmann::ordered_json to_json(const std::vector<inference::Marginal>& prior);
 
 /// The fields of a part that mean something and whose values are part of these artefacts' keys.
-/// Config is one of SimulatorTable, ObservationNoise, MethodConfig, DiagnoseConfig, PolicyConfig.
 template <class Config>
-nlohmann::ordered_json key_json(const Config& config, Affects affects = Affects::results);
+nlohmann::ordered_json key_json(const Config& config, Affects affects = Affects::results) {
+  return json_of(fields_of(config), [affects](const FieldUse& use) {
+    return use.affects == affects && use.unused.empty();
+  });
+}
 
 /// The study without what affects nothing, and without fields that its documents are older than.
 nlohmann::ordered_json document_json(const Study& study);

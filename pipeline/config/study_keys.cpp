@@ -3,14 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <regex>
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/config/json_fields.h"
-#include "pipeline/config/study_fields.h"
+#include "pipeline/config/field_list.h"
 
 namespace npdr::pipeline {
+
+using Json = nlohmann::ordered_json;
+
 namespace {
 
 // Values of fields are written in TOML as in JSON, but for tables, and a blank in lists.
@@ -21,63 +22,27 @@ std::string toml_text(const Json& value) {
   return "[" + join(elements) + "]";
 }
 
-template <class T, class C>
-std::string default_text(const T& value, const Constraint<C>& allowed) {
-  return satisfies(value, allowed) ? toml_text(json_value(value)) : "required";
-}
-
-template <class T, class C>
-std::string default_text(const std::optional<T>& /*value*/, const Constraint<C>& /*allowed*/) {
-  return "";
-}
-
 struct StudyDescription {
   std::vector<StudyTable> tables;
   std::vector<StudyKey> keys;
 };
 
-// The visitor that writes down what the others read and write.
-class KeyLister {
- public:
-  KeyLister(std::string prefix, StudyDescription& all) : prefix_(std::move(prefix)), all_(all) {}
-
-  template <class T, class C>
-  void operator()(const std::string& key, const T& value, const Constraint<C>& allowed,
-                  std::string_view doc, const FieldUse& /*use*/ = {}) {
-    all_.keys.push_back({prefix_ + key, type_name<T>(), default_text(value, allowed), allowed.words,
-                         allowed.names, std::string(doc)});
+void add_keys(const Fields& fields, const std::string& prefix, StudyDescription& all) {
+  for (const Field& field : fields) {
+    const std::string path = prefix + field.key;
+    if (field.kind == Field::Kind::value) {
+      all.keys.push_back(
+          {path, field.type, default_text(field), field.allowed, field.names, field.doc});
+    } else {
+      all.tables.push_back({path, field.doc});
+      add_keys(field.members.front(), path + ".", all);
+    }
   }
-
-  template <class Body>
-  void table(const std::string& key, std::string_view doc, const Body& body,
-             const FieldUse& /*use*/ = {}) {
-    KeyLister members = below(key, doc);
-    body(members);
-  }
-
-  template <class T, class Body>
-  void list(const std::string& key, std::vector<T>& /*values*/, int /*minimum*/,
-            std::string_view doc, const Body& body, const FieldUse& /*use*/ = {}) {
-    KeyLister members = below(key, doc);
-    T element;
-    body(members, element);
-  }
-
- private:
-  KeyLister below(const std::string& key, std::string_view doc) {
-    all_.tables.push_back({prefix_ + key, std::string(doc)});
-    return {prefix_ + key + ".", all_};
-  }
-
-  std::string prefix_;
-  StudyDescription& all_;
-};
+}
 
 StudyDescription description() {
   StudyDescription all;
-  Study defaults;
-  KeyLister lister("", all);
-  describe(lister, defaults);
+  add_keys(fields_of(study_with_lists()), "", all);
   return all;
 }
 
@@ -88,16 +53,21 @@ std::string table_of(const StudyKey& key) {
 
 // "an integer" as "integer", "a list of finite numbers" as "list of numbers".
 std::string bare_type(const std::string& type) {
-  static const std::regex article("^an? |finite ");
-  return std::regex_replace(type, article, "");
+  const std::size_t article = type.starts_with("an ") ? 3 : type.starts_with("a ") ? 2 : 0;
+  return replaced_all(type.substr(article), "finite ", "");
 }
 
 std::string code(const std::string& text) { return "`" + text + "`"; }
 
 // A text with its "quoted" words as code.
 std::string with_code(const std::string& text) {
-  static const std::regex word("\"[^\"]*\"");
-  return std::regex_replace(text, word, "`$&`");
+  std::string marked;
+  bool is_inside = false;
+  for (const char c : text) {
+    marked += c != '"' ? std::string(1, c) : is_inside ? "\"`" : "`\"";
+    is_inside ^= c == '"';
+  }
+  return marked;
 }
 
 std::string default_cell(const StudyKey& key) {
@@ -112,18 +82,26 @@ std::string allowed_cell(const StudyKey& key) {
 
 }  // namespace
 
+Study study_with_lists() {
+  Study study;
+  study.methods.emplace_back();
+  study.references.emplace_back();
+  study.external.parameters.emplace_back();
+  return study;
+}
+
+std::string default_text(const Field& field) {
+  if (field.value.is_null()) return "";
+  return field.is_allowed ? toml_text(field.value) : "required";
+}
+
 std::vector<StudyTable> study_tables() { return description().tables; }
 
 std::vector<StudyKey> study_keys() { return description().keys; }
 
-std::vector<StudyKey> keys_of_table(const std::string& table) {
+std::string keys_markdown(const std::string& table) {
   std::vector<StudyKey> keys = study_keys();
   std::erase_if(keys, [&](const StudyKey& key) { return table_of(key) != table; });
-  return keys;
-}
-
-std::string keys_markdown(const std::string& table) {
-  const std::vector<StudyKey> keys = keys_of_table(table);
   if (keys.empty()) {
     std::vector<std::string> tables;
     for (const StudyTable& known : study_tables()) tables.push_back(known.path);

@@ -1,9 +1,11 @@
-/// Keys of a study file, for people: `npdr list keys`, the template of `npdr new` and the
-/// tables of docs/study-files.md are made of this.
+/// Keys of a study file, for people: `npdr list keys` and the tables of docs/study-files.md.
 #pragma once
 
 #include <string>
 #include <vector>
+
+#include "pipeline/config/field_list.h"
+#include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
 
@@ -26,16 +28,20 @@ struct StudyKey {
   std::string name() const { return path.substr(path.rfind('.') + 1); }
 };
 
+/// A study at its defaults, with an element in each list, whose members its fields_of() show.
+Study study_with_lists();
+
+/// As StudyKey::default_value.
+std::string default_text(const Field& field);
+
 /// Every table, in the order of a study file.
 std::vector<StudyTable> study_tables();
 
 /// Every key, in the same order.
 std::vector<StudyKey> study_keys();
 
-/// Those that stand in one table, such as "method.training", and in no table inside of it.
-std::vector<StudyKey> keys_of_table(const std::string& table);
-
-/// The same as a table of Markdown. Throws InputError when the study file has no such table.
+/// Those that stand in one table, such as "method.training", and in no table inside of it, as a
+/// table of Markdown. Throws InputError when the study file has no such table.
 std::string keys_markdown(const std::string& table);
 
 /// Names of the tables inside of a [[method]]: "embedding", "density_estimator", ...

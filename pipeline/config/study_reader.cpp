@@ -7,8 +7,9 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/check.h"
+#include "pipeline/config/checker.h"
+#include "pipeline/config/field_list.h"
 #include "pipeline/config/field_reader.h"
-#include "pipeline/config/study_check.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/toml_document.h"
 
@@ -150,7 +151,7 @@ class Resolver {
       const std::string setting = field.path.substr(path.size() + 1);
       return field.use.settable && reading_.has(field.path) && reads_setting(npe_c, setting);
     };
-    if (std::ranges::any_of(unused_fields(method, {}, path), means_npe_c)) {
+    if (std::ranges::any_of(unused_fields(fields_of(method), path), means_npe_c)) {
       method.algorithm.kind = npe_c;
     }
   }
@@ -168,8 +169,12 @@ class Resolver {
   }
 
   void resolve_networks(MethodConfig& method, const std::string& path) {
-    const bool has_one = !inference::allows_ensembles(inference::traits_of(method.algorithm.kind));
-    if (has_one && !reading_.has(path + ".density_estimator.num_networks")) {
+    const inference::AlgorithmTraits& traits = inference::traits_of(method.algorithm.kind);
+    const std::string estimator = path + ".density_estimator.";
+    if (!traits.estimators.empty() && !reading_.has(estimator + "kind")) {
+      method.density_estimator.kind = traits.estimators.front();
+    }
+    if (!inference::allows_ensembles(traits) && !reading_.has(estimator + "num_networks")) {
       method.density_estimator.num_networks = 1;
     }
   }
@@ -236,7 +241,7 @@ Study parse_study(std::string_view text, const fs::path& file,
   fields.reject_unknown_keys();
   Resolver(study, file, reading).resolve();
   check_study(study, reading);
-  reading.problems().throw_if_any();
+  reading.throw_if_bad();
   study.places = reading.places();
   return study;
 }
@@ -248,7 +253,7 @@ ClusterConfig read_site(const fs::path& file) {
   FieldReader fields(&document, "", reading);
   fields.table("cluster", "", [&](auto& table) { describe(table, cluster); });
   fields.reject_unknown_keys();
-  reading.problems().throw_if_any();
+  reading.throw_if_bad();
   return cluster;
 }
 

@@ -1,140 +1,110 @@
 #include "pipeline/config/study_template.h"
 
 #include <algorithm>
-#include <optional>
-#include <regex>
+#include <array>
 #include <set>
+#include <span>
+#include <string>
+#include <string_view>
 
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
+#include "pipeline/config/field_list.h"
 #include "pipeline/config/study_keys.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kPlaceholder = "@NAME@";
+struct Text {
+  std::string_view path, text;
+};
 
-// The template without what the fields say themselves. Lines of tables and of keys in them get
-// their documentation, those of keys without a value their default; a line "# ..." stands for the
-// keys from there to the next that the table's lines name.
-constexpr const char* kSkeleton =
-    R"toml(# A study: infer the physics parameters of a simulator from recorded motion.
+// What the study says; all other keys are comments.
+constexpr Text kSettings[] = {
+    {"study.seeds", "[1, 2, 3]"},
+    {"target.truth", "{ pole_mass = 1.2, pole_length = 0.8 }"},
+    {"target.num_rollouts", "1"},
+    {"simulator.name", R"("pendulum")"},
+    {"method.name", "\"NPDR (MAF)\""},
+    {"method.algorithm", R"("npe_c")"},
+    {"method.num_rounds", "2"},
+    {"method.num_simulations", "500"},
+    {"method.embedding.kind", R"("bayessim")"},
+    {"method.density_estimator.kind", R"("maf")"},
+    {"method.density_estimator.num_transforms", "2"},
+    {"method.density_estimator.hidden_features", "20"},
+    {"method.training.learning_rate", "1e-3"},
+    {"evaluate.num_samples", "100"},
+    {"report.title", R"("Pendulum")"},
+};
+
+// Values of keys whose default, if there is one, shows little.
+constexpr Text kExamples[] = {
+    {"target.recording", R"("rollouts.h5")"},
+    {"target.observation", R"("x_o.csv")"},
+    {"target.inputs", R"("recording.h5")"},
+    {"target.rollouts", "[3, 4, 5, 1]"},
+    {"simulator.parameters", "{ gravity = 9.81 }"},
+    {"simulator.command", R"("python3 sim.py {theta} {x}")"},
+    {"simulator.worker", R"("python3 sim.py")"},
+    {"simulator.library", R"("sim.so")"},
+    {"simulator.mjcf", R"("robot.xml")"},
+    {"simulator.dataset", R"("dataset.h5")"},
+    {"simulator.states", R"(["q [rad]", "q_dot [rad/s]"])"},
+    {"simulator.actions", R"(["torque [N m]"])"},
+    {"simulator.features", R"(["peak [m]", "mean"])"},
+    {"simulator.parameter.name", R"("mass")"},
+    {"simulator.parameter.unit", R"("kg")"},
+    {"simulator.parameter.nominal", "1.0"},
+    {"simulator.parameter.lower", "0.0"},
+    {"simulator.parameter.upper", "10.0"},
+    {"simulator.goal.place", "{ q = 0.0 }"},
+    {"observation_noise.scale_prior", "[0.2, 1.0]"},
+    {"observation_noise.std", "{ theta = 0.01 }"},
+    {"observation_noise.correlation", "0.8"},
+    {"observation_noise.correlation_prior", "[0.5, 1.5]"},
+    {"observation_noise.degrees_of_freedom", "4.0"},
+    {"observation_noise.degrees_of_freedom_prior", "[3.7, 1.0]"},
+    {"method.published", "{ rmse = { mean = 0.263, std = 0.004 } }"},
+    {"diagnose.checks", R"(["sbc", "coverage", "ood", "training"])"},
+    {"policy.optimizer", R"("power")"},
+    {"policy.grid.x.parameter", R"("pole_mass")"},
+    {"policy.grid.x.range", "[0.018, 0.03]"},
+    {"policy.grid.x.values", "[0.018, 0.024]"},
+    {"reference.name", R"("measured")"},
+};
+
+// Text in front of tables, but for what their documentation says.
+constexpr Text kIntroductions[] = {
+    {"study",
+     R"(# A study: infer the physics parameters of a simulator from recorded motion.
 # Check it with `npdr validate`, run it with `npdr run`. Lines that begin with "# key =" show a
-# default. `npdr list keys` lists all keys, `npdr list simulators` the simulators' parameters.
+# default, those with "#   key =" what another study may say. `npdr list keys` lists all keys,
+# `npdr list simulators` the simulators' parameters.
 
-[study]
-name = "@NAME@"
-seeds = [1, 2, 3]
-
-# Either recorded rollouts, or, as here, rollouts that the simulator itself makes at a known truth:
-[target]
-truth = { pole_mass = 1.2, pole_length = 0.8 }
-num_rollouts = 1
-# ...
-# Recorded rollouts take the place of truth and seed; `npdr import` makes a file of CSV files:
-#   recording = "rollouts.h5"
-# and some of them, in this order:
-#   rollouts = [3, 4, 5, 1]
-# Of a simulator that gives features x and no rollouts, x_o itself, or a truth:
-#   observation = "x_o.csv"
-# A truth's rollouts may have the initial states and actions of a recording:
-#   inputs = "recording.h5"
-
-[simulator]
-name = "pendulum"
-# parameters = { gravity = 9.81 }
-# ...
-# In place of a name, a simulator of your own or finished simulations: docs/external-simulators.md.
-#   command = "python3 sim.py {theta} {x}"
-#   worker = "python3 sim.py"
-#   library = "sim.so"
-#   mjcf = "robot.xml"
-#   dataset = "dataset.h5"
-#   states = ["q [rad]", "q_dot [rad/s]"]
-#   actions = ["torque [N m]"]
-#   ...
-#   features = ["peak [m]", "mean"]
-# Its domain parameters, each in a table of its own, and where its rollouts should come to rest:
-#   [[simulator.parameter]]
-#   name = "mass"
-#   unit = "kg"
-#   ...
-#   [simulator.goal]
-#   place = { q = 0.0 }
-#   ...
-# The simulator "minigolf" has settings of its own:
-#   [simulator.minigolf]
-#   ...
-
-# What to infer: parameter = { uniform = [low, high] }, { log_uniform = [low, high] },
+)"},
+    {"target", "# Recorded rollouts, or, as here, rollouts that the simulator makes at a truth:\n"},
+    {"simulator",
+     "# A simulator of your own, or finished simulations, may take the place of the name:\n"
+     "# docs/external-simulators.md.\n"},
+    {"prior",
+     R"(# What to infer: parameter = { uniform = [low, high] }, { log_uniform = [low, high] },
 # { normal = [mean, std] } or { log_normal = [mean of log, std of log] }, in the simulator's units.
 # The rest stay nominal.
 [prior]
 pole_mass = { uniform = [0.3, 1.7] }    # [kg]
 pole_length = { uniform = [0.3, 1.7] }  # [m]
 
-# When no parameter reproduces the recordings, noise of the size of what is left makes them look like
-# simulations. It is Gaussian and independent from state to state, unless more is said.
-[observation_noise]
-# ...
-#   scale_prior = [0.2, 1.0]
-#   std = { theta = 0.01 }
-#   correlation = 0.8
-#   correlation_prior = [0.5, 1.5]
-#   degrees_of_freedom = 4.0
-#   degrees_of_freedom_prior = [3.7, 1.0]
-# ...
-
-[simulate]
-# ...
-
-# One [[method]] for each of the methods.
-[[method]]
-name = "NPDR (MAF)"
-algorithm = "npe_c"
-num_rounds = 2
-num_simulations = 500
-# ...
-#   component_perturbation
-# ...
-#   num_iterations
-#   policy_iterations
-# published = { rmse = { mean = 0.263, std = 0.004 } }
-
-[method.embedding]
-kind = "bayessim"
-# ...
-
-[method.density_estimator]
-kind = "maf"
-# ...
-num_transforms = 2
-# ...
-hidden_features = 20
-# ...
-
-[method.training]
-learning_rate = 1e-3
-# ...
-
-# Of "nle", "nre_a" and "nre_b", whose posteriors have to be sampled:
-#   [method.sampler]
-#   ...
-
-# Methods without a network. Of "abc_rejection", "abc_mcmc" and "abc_smc", in place of
-# density_estimator, training and sampler:
-#   [method.abc]
-#   ...
-# Of "linear_regression", which needs no simulations (simulator "furuta" only):
-#   [method.linear_regression]
-#   ...
-# Of "refine", which makes the posterior of another method exact under the observation noise:
-#   [method.refine]
-#   ...
-
-# Two that infer nothing, to compare policies with (studies with [policy] only): algorithm = "prior"
-# is domain randomization over the prior, "nominal" takes the nominal parameters for granted.
+)"},
+    {"observation_noise",
+     "# When no parameter reproduces the recordings, noise of the size of what is left makes them\n"
+     "# look like simulations. It is Gaussian and independent from state to state, unless more is\n"
+     "# said.\n"},
+    {"method", "# One [[method]] for each of the methods.\n"},
+    {"evaluate",
+     R"toml(# Two algorithms infer nothing, to compare policies with (studies with [policy] only): "prior" is
+# domain randomization over the prior, "nominal" takes the nominal parameters for granted.
 
 [[method]]
 name = "NPDR (MoG)"
@@ -144,48 +114,23 @@ num_simulations = 500
 embedding = { kind = "bayessim" }
 density_estimator = { kind = "mdn", num_components = 5, hidden_features = 20 }
 
-[evaluate]
-num_samples = 100
-# ...
+)toml"},
+    {"diagnose", "# Without this table, checks that cost little.\n"},
+    {"policy",
+     "# Search for a policy that does well under the posterior (simulator \"furuta\" only). A "
+     "whole\n"
+     "# study to start from: experiments/furuta_policy.toml.\n"},
+    {"cluster", "# What 'npdr submit' asks a cluster for; no result depends on it.\n"},
+};
 
-# Checks of the posteriors: calibration over fresh simulations, and whether the observation is like
-# what was simulated. Without this table those that cost little.
-#   [diagnose]
-#   checks = ["sbc", "coverage", "tarp", "local_c2st", "predictive", "ood", "training"]
-#   ...
+// Tables that this study goes without.
+constexpr std::array<std::string_view, 4> kLeftOut = {"diagnose", "policy", "reference", "cluster"};
 
-# Search for a policy that does well under the posterior, and tests of it in the target domain
-# (simulator "furuta" only). Without this table there is none. A whole study to start from:
-# experiments/furuta_policy.toml.
-#   [policy]
-#   optimizer = "power"
-#   ...
-# Domain parameters that policies are tested on, in [policy.grid.x] and [policy.grid.y]:
-#   [policy.grid.x]
-#   parameter = "pole_mass"
-#   range = [0.018, 0.03]
-#   ...
-#   values = [0.018, 0.024]
-
-# Named parameters to compare with, such as measured ones: a column in the tables each.
-#   [[reference]]
-#   name = "measured"
-#   ...
-
-[limits]
-# ...
-
-[report]
-title = "Pendulum"
-# ...
-
-# What 'npdr submit' asks a cluster for; no result depends on it. Empty: the site's defaults.
-#   [cluster]
-#   ...
-# Stages of their own: prepare, simulate, infer, baseline, evaluate, diagnose, policy, report.
-#   [cluster.infer]
-#   ...
-)toml";
+// The text at `path`; "" for none.
+std::string text_at(std::span<const Text> texts, const std::string& path) {
+  const auto found = std::ranges::find(texts, path, &Text::path);
+  return found == texts.end() ? "" : std::string(found->text);
+}
 
 // A line with its comment behind it, or below it; what is too long goes on in further lines.
 std::string commented(const std::string& line, const std::string& comment) {
@@ -210,89 +155,55 @@ std::string commented(const std::string& line, const std::string& comment) {
   return text + row + "\n";
 }
 
-// Fills in a skeleton.
+// Writes tables with the keys of their description.
 class TemplateWriter {
  public:
-  explicit TemplateWriter(const std::string& skeleton) : lines_(split(skeleton, '\n')) {}
+  explicit TemplateWriter(const std::string& name) : name_(name) {}
 
-  std::string text() {
-    for (std::size_t i = 0; i < lines_.size(); ++i) write(i);
-    return text_;
+  // `is_aside`: it means nothing to this study, which shows it in comments.
+  void write(const Field& field, const std::string& path, bool is_aside) {
+    text_ += text_at(kIntroductions, path);
+    if (field.kind == Field::Kind::value) return;  // the prior
+    const std::string name = field.kind == Field::Kind::list ? "[" + path + "]" : path;
+    text_ += commented((is_aside ? "#   [" : "[") + name + "]", field.doc);
+    const Fields& members = field.members.front();
+    if (is_new(members)) {
+      for (const Field& member : members) write_key(member, path + "." + member.key, is_aside);
+    }
+    text_ += "\n";
+    for (const Field& member : members) {
+      if (member.kind == Field::Kind::value) continue;
+      write(member, path + "." + member.key, is_aside || !member.use.unused.empty());
+    }
   }
+
+  const std::string& text() const { return text_; }
 
  private:
-  using Key = std::vector<StudyKey>::const_iterator;
-
-  void write(std::size_t i) {
-    static const std::regex ellipsis(R"((# +)\.\.\.)");
-    std::smatch match;
-    if (const auto setting = setting_of(lines_[i])) {
-      write_key(setting->prefix, setting->key, setting->value);
-    } else if (std::regex_match(lines_[i], match, ellipsis)) {
-      while (next_ != keys_.end() && !named_.contains(next_->name())) {
-        write_key(match.str(1), next_, "");
-      }
-    } else {
-      const std::string table = table_of(lines_[i]);
-      explain(lines_[i], table);
-      if (!table.empty()) begin(table, i + 1);
-    }
+  // Tables that are alike, such as the stages of [cluster], have their keys explained once.
+  bool is_new(const Fields& members) {
+    std::string docs;
+    for (const Field& member : members) docs += member.doc;
+    return told_.insert(docs).second;
   }
 
-  void begin(const std::string& table, std::size_t line) {
-    keys_ = keys_of_table(table);
-    next_ = keys_.begin();
-    named_.clear();
-    for (; line < lines_.size() && table_of(lines_[line]).empty(); ++line) {
-      if (const auto setting = setting_of(lines_[line])) named_.insert(setting->key->name());
-    }
+  void write_key(const Field& field, const std::string& path, bool is_aside) {
+    if (field.kind != Field::Kind::value) return;
+    const std::string setting =
+        path == "study.name" ? "\"" + name_ + "\"" : text_at(kSettings, path);
+    const std::string example = text_at(kExamples, path);
+    const bool is_default = setting.empty() && example.empty();
+    const bool is_of_others = is_aside || !field.use.unused.empty() || !is_default;
+    const std::string mark = !setting.empty() ? "" : is_of_others ? "#   " : "# ";
+    const std::string choices = field.names.empty() ? "" : " (" + join(field.names) + ")";
+    text_ +=
+        commented(mark + field.key + " = " + (is_default ? default_text(field) : setting + example),
+                  field.doc + choices);
   }
 
-  // Writes a line, with the documentation of a table where it begins one for the first time.
-  void explain(const std::string& line, const std::string& table) {
-    const auto known = std::ranges::find(tables_, table, &StudyTable::path);
-    const bool is_new = known != tables_.end() && explained_.insert(table).second;
-    text_ += is_new ? commented(line, known->doc) : line + "\n";
-  }
-
-  void write_key(const std::string& prefix, Key key, const std::string& value) {
-    const std::string line =
-        prefix + key->name() + " = " + (value.empty() ? key->default_value : value);
-    const std::string choices = key->names.empty() ? "" : " (" + join(key->names) + ")";
-    const bool is_new = explained_.insert(key->path).second;
-    text_ += is_new ? commented(line, key->doc + choices) : line + "\n";
-    next_ = key + 1;
-  }
-
-  // "[table]", "[[table]]" or one of them in a comment; "" for another line.
-  static std::string table_of(const std::string& line) {
-    static const std::regex header(R"((?:# +)?\[\[?([a-z_.]+)\].*)");
-    std::smatch match;
-    return std::regex_match(line, match, header) ? match.str(1) : "";
-  }
-
-  struct Setting {
-    std::string prefix;  // "", or how a comment begins
-    Key key;
-    std::string value;  // "": its default
-  };
-
-  std::optional<Setting> setting_of(const std::string& line) const {
-    static const std::regex setting(R"((# +)?([a-z_]+)(?: = (.+))?)");
-    std::smatch match;
-    if (!std::regex_match(line, match, setting)) return std::nullopt;
-    const auto key = std::ranges::find(keys_, match.str(2), &StudyKey::name);
-    if (key == keys_.end()) return std::nullopt;
-    return Setting{match.str(1), key, match.str(3)};
-  }
-
-  std::vector<std::string> lines_;
+  const std::string& name_;
   std::string text_;
-  std::vector<StudyTable> tables_ = study_tables();
-  std::vector<StudyKey> keys_;  // of the table that is being written
-  Key next_ = keys_.begin();
-  std::set<std::string> named_;      // keys that have a line of their own
-  std::set<std::string> explained_;  // paths
+  std::set<std::string> told_;
 };
 
 }  // namespace
@@ -302,9 +213,14 @@ std::string study_template(const std::string& name) {
   if (!satisfies(name, allowed)) {
     throw InputError(must_be("study.name", quoted(name), allowed.words));
   }
-  std::string skeleton = kSkeleton;
-  skeleton.replace(skeleton.find(kPlaceholder), std::string(kPlaceholder).size(), name);
-  return TemplateWriter(skeleton).text();
+  Study study = study_with_lists();
+  study.simulator.name = "pendulum";
+  study.methods.front().algorithm.kind = inference::Algorithm::npe_c;
+  TemplateWriter writer(name);
+  for (const Field& field : fields_of(study)) {
+    writer.write(field, field.key, std::ranges::count(kLeftOut, field.key) > 0);
+  }
+  return writer.text();
 }
 
 }  // namespace npdr::pipeline

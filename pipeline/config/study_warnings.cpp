@@ -67,47 +67,26 @@ Findings find_references_outside(const Subject& s) {
 }
 
 // Simulators of the user's may draw it; they are asked when they run (sources/row_check.h).
-Findings find_exact_recording(const Subject& s) {
+Findings find_exact_channels(const Subject& s) {
   const SourceTraits& source = s.study.source();
-  const bool is_meant = s.study.places.has("observation_noise.scale");
+  const ObservationNoise& noise = s.study.observation_noise;
+  const bool is_meant = s.study.places.has("observation_noise.scale") || noise.scale_prior;
   if (!s.study.target.recording || !source.simulates || is_meant ||
-      !std::ranges::any_of(s.study.methods, learns) || !s.study.observation_noise.is_silent()) {
+      !std::ranges::any_of(s.study.methods, learns)) {
     return {};
   }
-  return s.warn(
-      "observation_noise",
-      fmt::format("observation_noise has no scale, and the target is a recording: {}methods "
-                  "learn from simulations without the noise that sensors have, to which no "
-                  "recording is alike, and their posteriors may miss the truth; set "
-                  "observation_noise.scale, std by channel, or scale_prior where nobody knows "
-                  "it; scale = 0 says that there is none",
-                  source.is_built_in ? "" : "unless the simulator draws it, "));
-}
-
-Findings find_exact_channels(const Subject& s) {
-  const ObservationNoise& noise = s.study.observation_noise;
-  if (!s.study.target.recording || !noise.std || noise.scale > 0.0 || noise.scale_prior) return {};
   std::vector<std::string> exact;
   for (const Channel& channel : s.info.state_channels) {
-    if (!noise.std->contains(channel.label)) exact.push_back(channel.label);
+    if (!noise.std || !noise.std->contains(channel.label)) exact.push_back(channel.label);
   }
   if (exact.empty()) return {};
   return s.warn(
       "observation_noise.std",
-      fmt::format("observation_noise.std leaves {} without noise, to which no recording is "
-                  "alike: give it, or 0 where there is none, or a scale beside it for the others",
-                  join(exact)));
-}
-
-// Of motion the scale is a share of what was recorded; features' noise may be anything.
-Findings find_loud_noise(const Subject& s) {
-  const ObservationNoise& noise = s.study.observation_noise;
-  if (!s.study.source().gives_motion || noise.scale < 1.0 || noise.std) return {};
-  return s.warn("observation_noise.scale",
-                fmt::format("observation_noise.scale = {}: noise as large as the motion leaves "
-                            "little to infer from; it is a share of each channel's largest "
-                            "magnitude, such as 0.02; std gives a channel's noise in its own unit",
-                            noise.scale));
+      fmt::format("observation_noise leaves {} without noise: {}methods learn from "
+                  "simulations that no recording is like, and may miss the truth; set "
+                  "scale, std by channel, or scale_prior where nobody knows it; 0 says "
+                  "that there is none",
+                  join(exact), source.is_built_in ? "" : "unless the simulator draws it, "));
 }
 
 Findings find_recorded_states(const Subject& s) {
@@ -155,13 +134,11 @@ Findings find_unknown_program(const Subject& s) {
                                   path, quoted(command), quoted(program)));
 }
 
-constexpr std::array<Probe<Subject>, 8> kProbes = {{
+constexpr std::array<Probe<Subject>, 6> kProbes = {{
     {"truth_outside", find_truth_outside,
      [](const Subject& s) { return s.study.target.truth.has_value(); }},
     {"reference_outside", find_references_outside},
-    {"recording_without_noise", find_exact_recording},
-    {"channel_without_noise", find_exact_channels},
-    {"loud_noise", find_loud_noise},
+    {"recording_without_noise", find_exact_channels},
     {"recorded_states_compared", find_recorded_states},
     {"checks_left_out", find_checks_left_out},
     {"unknown_program", find_unknown_program,

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "pipeline/config/problems.h"
+#include "pipeline/config/reading.h"
 
 namespace npdr::pipeline {
 

@@ -9,8 +9,8 @@
 
 namespace npdr::pipeline {
 
-/// Tests each of the simulations, which share their seed: the one where failures depend most on the
-/// parameters, its p-value times the number of those with a failed row. Rows of theta that are
+/// Tests each of the simulations: the one where failures depend most on the parameters, its p-value
+/// times the number of those with a failed row. Rows of theta that are
 /// physically impossible, or beyond the prior, don't count: the study says where they end. Throws
 /// InputError.
 FailureResult test_failures(const Plan& plan, const std::vector<const Node*>& simulations);

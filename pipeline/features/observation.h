@@ -3,11 +3,16 @@
 
 #include <vector>
 
+#include "core/target.h"
 #include "inference/embeddings/embedding.h"
 #include "pipeline/config/study.h"
 #include "sim/noise_model.h"
 
 namespace npdr::pipeline {
+
+/// Observation noise of the stored states of `target`, of all channels, or of `channels`.
+sim::NoiseModel noise_model(const Study& study, const Target& target,
+                            std::vector<Index> channels = {});
 
 /// Rollouts of the target, or x_o, with the noise that they are observed with. A simulated truth is
 /// observed once, with all that it does, under the same noise as the simulations (its own random

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/plan/shards.h"
 
@@ -18,12 +19,37 @@ std::uint32_t round_of(const Node& simulation) {
   return static_cast<std::uint32_t>(simulation.uses.front().round);
 }
 
-}  // namespace
+// Simulated features as they are in their file.
+class StoredFeatures : public inference::FeatureSource {
+ public:
+  explicit StoredFeatures(const h5::File& file) : values_(simulated_values(file)) {
+    const auto status = file.dataset("status").read<std::uint8_t>();
+    for (Index i = 0; i < std::ssize(status); ++i) {
+      if (status[static_cast<std::size_t>(i)] == 0) rows_.push_back(i);
+    }
+  }
 
-SimulationFeatures::SimulationFeatures(const Plan& plan, const Node& infer,
-                                       const Observation& observation,
-                                       const inference::Embedding& embedding)
-    : SimulationFeatures(plan, plan.inputs(infer, "simulation"), observation, embedding) {}
+  Index num_rows() const override { return std::ssize(rows_); }
+  Index num_features() const override { return values_.row_size(); }
+
+  // Of ascending rows, as blocks are, what lies between is read with them.
+  void gather(std::span<const std::uint32_t> rows, std::uint64_t /*epoch*/,
+              RowMatrixF& x) const override {
+    const Index first = rows_[rows.front()];
+    RowMatrixF between(rows_[rows.back()] - first + 1, num_features());
+    values_.read_rows<float>(first, between.rows(),
+                             {between.data(), static_cast<std::size_t>(between.size())});
+    x.resize(std::ssize(rows), num_features());
+    Index next = 0;
+    for (const std::uint32_t row : rows) x.row(next++) = between.row(rows_[row] - first);
+  }
+
+ private:
+  h5::Dataset values_;
+  std::vector<Index> rows_;
+};
+
+}  // namespace
 
 SimulationFeatures::SimulationFeatures(const Plan& plan,
                                        const std::vector<const Node*>& simulations,
@@ -129,6 +155,35 @@ std::vector<Index> SimulationFeatures::rows() const {
   std::vector<Index> rows;
   for (const Origin& origin : origin_) rows.push_back(origin.row);
   return rows;
+}
+
+inference::FeatureTransform scale_of_features(const Node& simulation, inference::Tails tails) {
+  const h5::File file = open_artefact(simulation, kSimulationSchema);
+  const StoredFeatures features(file);
+  if (features.num_rows() > 0) return inference::fit_feature_transform(features, 0, tails);
+  inference::FeatureTransform constant;
+  constant.mean = constant.inverse_deviation = VectorF::Zero(features.num_features());
+  return constant;
+}
+
+std::optional<inference::UsualFeatures> usual_features_of(const inference::FeatureSource& features,
+                                                          inference::Tails tails, Index most_rows,
+                                                          const StreamId& stream) {
+  constexpr Index fewest = inference::kFewestSimulations;
+  if (features.num_rows() < fewest) return std::nullopt;
+  const Index allowed =
+      std::clamp(10'000 * most_rows / features.num_features(), 2 * fewest, most_rows);
+  auto rows = Stream(stream).permutation(static_cast<std::uint32_t>(features.num_rows()));
+  rows.resize(static_cast<std::size_t>(std::min(allowed, features.num_rows())));
+  RowMatrixF x;
+  features.gather(rows, 0, x);
+  std::vector<Index> finite;
+  for (Index i = 0; i < x.rows(); ++i) {
+    if (x.row(i).allFinite()) finite.push_back(i);
+  }
+  if (std::ssize(finite) < fewest) return std::nullopt;
+  if (std::ssize(finite) < x.rows()) x = x(finite, Eigen::all).eval();
+  return inference::usual_features(x, tails);
 }
 
 }  // namespace npdr::pipeline

@@ -6,10 +6,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "core/random.h"
+#include "inference/diagnostics/out_of_distribution.h"
 #include "inference/embeddings/embedding.h"
 #include "inference/feature_source.h"
+#include "inference/feature_transform.h"
 #include "pipeline/features/observation.h"
 #include "pipeline/features/row_store.h"
 #include "pipeline/plan/plan.h"
@@ -19,9 +23,6 @@ namespace npdr::pipeline {
 
 class SimulationFeatures : public inference::FeatureSource {
  public:
-  /// Reads the simulations among `infer`'s inputs.
-  SimulationFeatures(const Plan& plan, const Node& infer, const Observation& observation,
-                     const inference::Embedding& embedding);
   /// Reads `simulations`, in blocks. Throws InputError where all of their rows failed.
   SimulationFeatures(const Plan& plan, const std::vector<const Node*>& simulations,
                      const Observation& observation, const inference::Embedding& embedding);
@@ -58,5 +59,18 @@ class SimulationFeatures : public inference::FeatureSource {
   std::vector<Index> num_simulated_;
   std::unique_ptr<RowStore> rows_;
 };
+
+/// Features in units of their deviation over the rows of `simulation` that didn't fail, without
+/// observation noise; `tails`: what becomes of those that span orders of magnitude. Rows are read
+/// in blocks. Where all have failed no feature varies. Throws InputError for a damaged artefact.
+inference::FeatureTransform scale_of_features(const Node& simulation, inference::Tails tails);
+
+/// What x of a study's simulations usually is, for the test of observations among them: that of at
+/// most `most_rows` of them, 80 or more, which `stream` picks; of fewer, but 80, where
+/// they have more than 10,000 features. `tails`: as the posterior's networks see them. What isn't
+/// finite is left out; none of fewer than inference::kFewestSimulations.
+std::optional<inference::UsualFeatures> usual_features_of(const inference::FeatureSource& features,
+                                                          inference::Tails tails, Index most_rows,
+                                                          const StreamId& stream);
 
 }  // namespace npdr::pipeline

@@ -1,6 +1,6 @@
 #include "pipeline/features/targets.h"
 
-#include "pipeline/artefacts/target_file.h"
+#include "pipeline/artefacts/recording.h"
 
 namespace npdr::pipeline {
 

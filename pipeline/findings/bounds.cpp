@@ -61,7 +61,7 @@ Finding judge<Check::bounds>(const MethodResults& m) {
     }
   }
   if (pressed.empty()) return passes("");
-  return fails("PRESSES against them" + seeds_text(failed.size(), m.runs.size()),
+  return fails("PRESSES against them" + seeds_text(std::ssize(failed), m.runs.size()),
                fmt::format("its samples press against the end of the prior: {}; the prior may "
                            "exclude the truth: widen it, or look for what the simulator lacks{}",
                            join(pressed),

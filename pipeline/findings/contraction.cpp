@@ -1,11 +1,13 @@
-// How much an observation tells about each parameter.
+// How much an observation tells about each parameter, and what posteriors say of each other.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "analysis/summary.h"
 #include "core/normal.h"
 #include "core/text.h"
+#include "inference/diagnostics/share_of_prior.h"
 #include "inference/diagnostics/uniformity.h"
 #include "pipeline/findings/findings.h"
 #include "pipeline/findings/probe.h"
@@ -44,6 +46,179 @@ bool looks_like_prior(const MethodResults& m, Index d) {
   return each(m.runs, [&](const EvaluatedRun* run) {
            return distance_from_prior(m.data, *run, d);
          }).mean() < least;
+}
+
+// In coordinates of which the prior is standard normal, of mean 0 and length 1.
+Vector standardized(const ReportData& data, const EvaluatedRun& run, Index d) {
+  const inference::Prior prior({data.marginal(d)});
+  const Vector u = prior.to_normal(run.evaluation.theta.col(d)).col(0);
+  const Vector centered = u.array() - u.mean();
+  return centered.stableNormalized();
+}
+
+// Correlations of these parameters, the mean over seeds (parameters, parameters); 0 of constants.
+RowMatrix mean_correlations(const MethodResults& m, const std::vector<Index>& d) {
+  const Index count = std::ssize(d);
+  RowMatrix sum = RowMatrix::Zero(count, count);
+  for (const EvaluatedRun* run : m.runs) {
+    RowMatrix u(run->evaluation.theta.rows(), count);
+    for (Index i = 0; i < count; ++i) {
+      u.col(i) = standardized(m.data, *run, d[static_cast<std::size_t>(i)]);
+    }
+    sum += u.transpose() * u;
+  }
+  return sum / static_cast<double>(m.runs.size());
+}
+
+// The two parameters whose samples, where the prior is standard normal, correlate most, from 0.95
+// on, and which are less than 0.95 contracted by themselves: the observation tells their
+// combination. Empty where there are none.
+std::string words_of_ridge(const MethodResults& m) {
+  constexpr double least = 0.95;
+  // Well below one, how broad the parameter is by itself matters to whoever uses it.
+  constexpr double most_contracted = 0.95;
+  std::vector<Index> broad = m.inferred();
+  std::erase_if(broad, [&](Index d) {
+    return m.data.period_of(d) > 0.0 ||
+           !(contraction(m.data, m.method.name, d).mean() < most_contracted);
+  });
+  const CorrelatedPair ridge = most_correlated(mean_correlations(m, broad));
+  if (!(std::abs(ridge.correlation) >= least)) return "";
+  const auto name_of = [&](Index i) {
+    return m.data.marginal(broad[static_cast<std::size_t>(i)]).name;
+  };
+  return fmt::format(
+      "of {} and {} it knows little but a combination (correlation {:.2f}): measure one of them, "
+      "or {} tells them apart",
+      name_of(ridge.first), name_of(ridge.second), ridge.correlation,
+      m.study.source().gives_motion ? "record motion that" : "add a feature that");
+}
+
+// That hardly any of the simulations of one round lie where a posterior of the default algorithm
+// is, whose next rounds simulate there alone. Empty where at least 300 do, or more than a twentieth
+// of the prior is, or 2^-D: posteriors of many parameters are a small part of it without being
+// narrow in any.
+std::string words_of_region(const MethodResults& m) {
+  constexpr double most_simulations = 300.0;
+  constexpr Index rounds = 4, fewest_simulations = 100;  // of one of them
+  const inference::AlgorithmConfig& algorithm = m.method.algorithm;
+  const bool can_go_on = m.study.source().simulates && algorithm.num_rounds == 1 &&
+                         algorithm.num_simulations >= rounds * fewest_simulations &&
+                         m.is(inference::Algorithm::npe_nle);
+  if (!can_go_on) return "";
+  const inference::Prior prior(m.study.prior);
+  const double share = each(m.runs, [&](const EvaluatedRun* run) {
+                         return inference::share_of_prior(prior.to_normal(run->evaluation.theta),
+                                                          {1, "region", 0, 0, 0});
+                       }).mean();
+  const double expected = share * static_cast<double>(algorithm.num_simulations);
+  const double largest_share = std::min(0.05, std::exp2(-static_cast<double>(prior.dimension())));
+  if (share > largest_share || expected > most_simulations) return "";
+  return fmt::format(
+      "{} of {} simulations lie where it is: more of them there may make it more exact, by "
+      "num_rounds = {} and num_simulations = {}, for this observation alone",
+      expected < 1.0 ? "hardly any" : fmt::format("only about {:.0f}", expected),
+      algorithm.num_simulations, rounds, (algorithm.num_simulations + rounds - 1) / rounds);
+}
+
+// In an outer loop each seed and method has an observation of its own.
+bool has_outer_loop(const MethodResults& m) { return m.study.num_iterations_of(m.method) > 1; }
+
+double difference_of(double a, double b, double period) {
+  return period > 0.0 ? std::remainder(a - b, period) : a - b;
+}
+
+// What each seed says of a parameter; periodic means are those nearest to the first.
+struct SeedMoments {
+  Vector means, variances;
+  bool has_width = true;  ///< else samples of some seed are all the same: how sure is it?
+};
+
+SeedMoments moments_of_seeds(const MethodResults& m, Index d) {
+  constexpr double rounding = 1e-9;
+  const auto num_seeds = static_cast<Index>(m.runs.size());
+  SeedMoments moments{Vector(num_seeds), Vector(num_seeds)};
+  for (Index s = 0; s < num_seeds; ++s) {
+    const auto& theta = m.runs[static_cast<std::size_t>(s)]->evaluation.theta;
+    const auto found = m.data.summary_of(d, theta.col(d));
+    const double first = s == 0 ? found.mean : moments.means(0);
+    moments.means(s) = first + difference_of(found.mean, first, m.data.period_of(d));
+    moments.variances(s) = found.std * found.std;
+    moments.has_width = moments.has_width && found.std > rounding * std::abs(found.mean);
+  }
+  return moments;
+}
+
+// Deviation of the seeds' means of parameter d, in root mean squares of the posteriors' deviations.
+// 0 of one seed, and where samples are all the same.
+double spread_of_seeds(const MethodResults& m, Index d) {
+  if (m.runs.size() < 2) return 0.0;
+  const SeedMoments seeds = moments_of_seeds(m, d);
+  if (!seeds.has_width) return 0.0;
+  return analysis::summarize(seeds.means).std / std::sqrt(seeds.variances.mean());
+}
+
+// Difference of two methods' means of parameter d over all seeds, in root sums of squares of the
+// deviations that a seed of each has. 0 where samples are all the same.
+double distance_of_methods(const MethodResults& a, const MethodResults& b, Index d) {
+  const SeedMoments mine = moments_of_seeds(a, d), other = moments_of_seeds(b, d);
+  if (!mine.has_width || !other.has_width) return 0.0;
+  const double difference =
+      difference_of(mine.means.mean(), other.means.mean(), a.data.period_of(d));
+  return std::abs(difference) / std::sqrt(mine.variances.mean() + other.variances.mean());
+}
+
+// "NPE about damping (5.1)": another method, and the parameter about which it is farthest; empty
+// where that isn't far. Of one that takes parameters as known which the other infers, the rest may
+// differ.
+std::string words_of_contradiction(const MethodResults& m, const MethodResults& other) {
+  constexpr double most = 3.0;
+  if (has_outer_loop(other) || m.inferred() != other.inferred()) return "";
+  double largest = most;
+  std::string words;
+  for (Index d = 0; d < std::ssize(m.study.prior); ++d) {
+    const double distance = distance_of_methods(m, other, d);
+    if (!(distance > largest)) continue;
+    largest = distance;
+    words =
+        fmt::format("{} about {} ({:.1f})", other.method.name, m.data.marginal(d).name, distance);
+  }
+  return words;
+}
+
+// That seeds are far apart, about which parameters: most of them are wrong, each as sure as if it
+// were right. Empty where they aren't.
+std::string contradiction_of_seeds(const MethodResults& m) {
+  constexpr double most = 0.5;
+  if (has_outer_loop(m)) return "";
+  std::vector<std::string> parameters;
+  for (const Index d : m.inferred()) {
+    const double found = spread_of_seeds(m, d);
+    if (!(found > most)) continue;
+    parameters.push_back(fmt::format("{} ({:.1f})", m.data.marginal(d).name, found));
+  }
+  if (parameters.empty()) return "";
+  return fmt::format(
+      "seeds contradict each other about {} (spread of their means, in deviations of the "
+      "posteriors): believe all of them together rather than one, or try {}",
+      join(parameters), advice_to_learn(m.method));
+}
+
+// Which other methods of the study are far from this one, each with the parameter about which it is
+// farthest. Empty where none is.
+std::string contradiction_of_methods(const MethodResults& m) {
+  if (has_outer_loop(m)) return "";
+  std::vector<std::string> others;
+  for (const std::string& other : m.data.methods) {
+    if (other != m.method.name) others.push_back(words_of_contradiction(m, {m.data, other}));
+  }
+  std::erase(others, "");
+  if (others.empty()) return "";
+  return fmt::format(
+      "contradicts {} (distance of their means, in deviations): at most one of two is right, or "
+      "the simulator lacks something that each makes up for in its own way; held-out rollouts "
+      "tell which predicts better",
+      join(others));
 }
 
 }  // namespace

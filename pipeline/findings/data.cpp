@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "pipeline/artefacts/target_file.h"
+#include "pipeline/artefacts/recording.h"
 #include "pipeline/findings/dataset_probes.h"
 
 namespace npdr::pipeline {
@@ -90,12 +90,6 @@ bool predicts_features(const ReportData& data) {
 bool has_rollout_scores(const ReportData& data) {
   return std::ranges::any_of(
       data.runs, [](const EvaluatedRun& run) { return run.evaluation.scores.seen.has_value(); });
-}
-
-bool evaluates_rounds(const ReportData& data) {
-  const EvaluateConfig& evaluate = data.plan.study.evaluate;
-  return has_posteriors(data) && evaluate.rounds == EvaluatedRounds::all &&
-         !evaluate.metrics.empty();
 }
 
 bool has_policies(const ReportData& data) { return !data.policies.empty(); }

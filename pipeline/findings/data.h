@@ -5,11 +5,9 @@
 
 #include "analysis/summary.h"
 #include "core/finding.h"
-#include "pipeline/artefacts/baseline_file.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/policy_file.h"
-#include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/plan/plan.h"
 
@@ -79,7 +77,6 @@ struct ReportData {
 
 /// Conditions under which several tables and figures exist.
 bool has_posteriors(const ReportData& data);
-bool evaluates_rounds(const ReportData& data);
 bool predicts_features(const ReportData& data);
 bool has_rollout_scores(const ReportData& data);
 bool has_policies(const ReportData& data);

@@ -21,19 +21,20 @@ std::string why_not_held_out(const MethodResults& m) {
 }
 
 // The same of the noise of recorded first states, in which simulations begin; "" where each device
-// began at rest, and what mends it is for Gaussian noise alone.
+// began at rest or they are inferred, and what mends it is for Gaussian noise alone.
 std::string why_not_first_states(const MethodResults& m) {
   const ObservationNoise& noise = m.study.observation_noise;
   const bool begins_in_motion =
       m.study.simulator.segment_length > 0 ||
       !std::ranges::all_of(m.data.target.rollouts, analysis::begins_at_rest);
-  if (!m.study.target.recording || !m.study.source().gives_motion || !learns(m.method) ||
-      noise.is_silent() || noise.is_heavy_tailed() || !begins_in_motion) {
+  const bool is_refined = m.is(inference::Algorithm::refine) && !m.method.refine.infer_first_states;
+  if (!m.study.target.recording || !(learns(m.method) || is_refined) || noise.is_silent() ||
+      noise.is_heavy_tailed() || !begins_in_motion) {
     return "";
   }
-  return "simulations begin in recorded ones as if these were exact, and parameters "
-         "may make up for the noise that they have; unless the device began at rest, compare with "
-         "a refinement (algorithm = \"refine\", refine.infer_first_states = true)";
+  return "simulations begin in recorded ones as if these were exact, and parameters may make up "
+         "for the noise that they have; unless the device began at rest, compare with a refinement "
+         "that has refine.infer_first_states = true";
 }
 
 // The same of calibration, which costs more than some studies spend on inference; "" of methods

@@ -8,7 +8,7 @@
 #include "core/quantile.h"
 #include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
-#include "pipeline/features/noise.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/findings/probe.h"
 
 namespace npdr::pipeline {
@@ -125,22 +125,17 @@ std::string unexplained_rest(const ReportData& data, double of_floor) {
       "no parameters explain the recording better than the floor's {:.2g} of its largest "
       "magnitudes",
       of_floor);
-  const bool may_hold_out = data.plan.target.num_rollouts() > 1 && study.target.held_out == 0 &&
-                            study.evaluate.leave_out == 0;
-  const std::string hint =
-      may_hold_out ? "; target.held_out shows what that costs predictions" : "";
   if (!is_structured) {
-    return fmt::format(
-        "{}: unless its sensors are that noisy, or the simulator draws at random, look for what "
-        "the simulator lacks{}",
-        found, hint);
+    return found +
+           ": unless its sensors are that noisy, or the simulator draws at random, look for what "
+           "the simulator lacks";
   }
   const double times = of_floor / scatter;
   return fmt::format(
       "{}, {} what neighboring samples scatter by: unless the noise lasts for many "
       "samples, or first states are noisy, the simulator lacks something (a delay, friction), "
-      "parameters make up for it, and the truth may be many deviations away{}",
-      found, times < 100.0 ? fmt::format("{:.0f} times", times) : "far above", hint);
+      "parameters make up for it, and the truth may be many deviations away",
+      found, times < 100.0 ? fmt::format("{:.0f} times", times) : "far above");
 }
 
 std::string what_the_best_leave(const ReportData& data, double of_floor) {
@@ -163,24 +158,6 @@ std::string room_to_learn(const MethodResults& m, double rmse, double of_floor) 
       rmse / of_floor, m.method.name);
 }
 
-// Whether a check of calibration, which is of round 1, has failed.
-bool is_miscalibrated(const MethodResults& m) {
-  return !m.diagnoses.empty() && std::ranges::any_of(m.checks.checks, [&](Check check) {
-    return traits_of(check).input == CheckInput::calibration &&
-           judge(check, m).severity == Severity::wrong;
-  });
-}
-
-// Rounds simulate where the posterior of the first one is, right or not.
-std::string word_of_rounds(const MethodResults& m) {
-  if (!m.study.source().simulates || !learns(m.method) ||
-      inference::traits_of(m.method.algorithm.kind).has_one_round) {
-    return "";
-  }
-  if (!is_miscalibrated(m)) return ", more rounds";
-  return "; rounds go on from the posterior of round 1, whose calibration FAILS: mend that first";
-}
-
 }  // namespace
 
 template <>
@@ -195,7 +172,7 @@ Finding judge<Check::fit>(const MethodResults& m) {
   }
   const std::optional<Yardstick> reached = yardstick(m.data);
   const double of_prior = median_of(m.data.baseline.prior->metrics.at(name_of(Metric::rmse)));
-  std::size_t failed = 0, astray = 0;
+  Index failed = 0, astray = 0;
   double worst = 0.0, strays = 0.0;
   for (const EvaluatedRun* run : m.runs) {
     const Vector& its = run->evaluation.metrics.at(name_of(Metric::rmse));
@@ -215,9 +192,9 @@ Finding judge<Check::fit>(const MethodResults& m) {
                                   : "") +
       advice_to_learn(m.method);
   if (failed > 0) {
-    return fails("FAR above what can be reached" + seeds_text(failed, m.runs.size()) + ", " + size,
-                 fmt::format("{:.3g} is the median RMSE of its samples, {}: try {}{}", worst, size,
-                             advice, word_of_rounds(m)));
+    return fails(
+        "FAR above what can be reached" + seeds_text(failed, m.runs.size()) + ", " + size,
+        fmt::format("{:.3g} is the median RMSE of its samples, {}: try {}", worst, size, advice));
   }
   if (astray > 0) {
     return fails(

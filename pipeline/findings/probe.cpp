@@ -35,7 +35,7 @@ bool MethodResults::has_too_few_samples() const {
   return runs.front()->evaluation.theta.rows() < inference::kFewestForBounds;
 }
 
-std::string seeds_text(std::size_t failed, std::size_t all) {
+std::string seeds_text(Index failed, std::size_t all) {
   return all == 1 ? "" : fmt::format(" in {} of {} seeds", failed, all);
 }
 
@@ -61,7 +61,7 @@ Finding too_few_samples(Index count) {
 
 Finding judge_p_value(const MethodResults& m, const PValueProbe& probe) {
   const double level = m.level();
-  std::size_t failed = 0;
+  Index failed = 0;
   double smallest = 1.0;
   std::string what, too_little;
   for (const auto* run : m.diagnoses) {
@@ -80,10 +80,6 @@ Finding judge_p_value(const MethodResults& m, const PValueProbe& probe) {
   if (failed > 0)
     return fails(probe.failure + seeds_text(failed, m.diagnoses.size()) + ", " + p_text, what);
   return too_little.empty() ? passes(p_text) : cannot_tell(too_little);
-}
-
-std::string too_few(const std::string& what, Index count, const std::string& advice) {
-  return fmt::format("{} {} are too few to find anything; {}", count, what, advice);
 }
 
 std::string advice_to_learn(const MethodConfig& method) {

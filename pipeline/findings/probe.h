@@ -34,7 +34,7 @@ struct MethodResults {
 };
 
 /// " in 2 of 5 seeds"; nothing where there is one.
-std::string seeds_text(std::size_t failed, std::size_t all);
+std::string seeds_text(Index failed, std::size_t all);
 
 /// What a check says of a method; its `id` is the check's name already. Each check has a
 /// specialization in a file of this folder, without which nothing links.
@@ -63,9 +63,6 @@ struct PValueProbe {
 };
 Finding judge_p_value(const MethodResults& m, const PValueProbe& probe);
 
-/// "20 simulations to compare with are too few to find anything; raise ..."
-std::string too_few(const std::string& what, Index count, const std::string& advice);
-
 /// What would let a method learn more of its observation.
 std::string advice_to_learn(const MethodConfig& method);
 
@@ -85,24 +82,5 @@ struct CorrelatedPair {
 
 /// Of a matrix of correlations (D, D), or of what grows with their size.
 CorrelatedPair most_correlated(const RowMatrix& correlations);
-
-/// The two parameters whose samples, where the prior is standard normal, correlate most, from 0.95
-/// on, and which are less than 0.95 contracted (findings.h) by themselves: the observation tells
-/// their combination. Empty where there are none.
-std::string words_of_ridge(const MethodResults& m);
-
-/// That hardly any of the simulations of one round lie where a posterior of the default algorithm
-/// is, whose next rounds simulate there alone. Empty where at least 300 do, or more than a
-/// twentieth of the prior is, or 2^-D: posteriors of many parameters are a small part of it without
-/// being narrow in any.
-std::string words_of_region(const MethodResults& m);
-
-/// That seeds are far apart, about which parameters: most of them are wrong, each as sure as if it
-/// were right. Empty where they aren't.
-std::string contradiction_of_seeds(const MethodResults& m);
-
-/// Which other methods of the study are far from this one, each with the parameter about which it
-/// is farthest. Empty where none is.
-std::string contradiction_of_methods(const MethodResults& m);
 
 }  // namespace npdr::pipeline

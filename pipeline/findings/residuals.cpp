@@ -47,28 +47,12 @@ std::string words_of_residuals(const ReportData& data, const EvaluatedRun& run) 
                      std::sqrt(excess_of(run)));
 }
 
-// Whether first states that were recorded count as exact.
-bool trusts_first_states(const MethodResults& m) {
-  return m.study.source().gives_motion && m.study.target.recording &&
-         !m.method.refine.infer_first_states;
-}
-
-// Parameters may make up for what first states do, and leave nothing of it, at the full power of
-// the likelihood.
-std::string word_of_first_states(const MethodResults& m) {
-  const bool is_full = std::ranges::any_of(
-      m.runs, [](const EvaluatedRun* run) { return run->notes.certificate->power == 1.0; });
-  if (!is_full || !trusts_first_states(m) || m.study.observation_noise.is_heavy_tailed()) return "";
-  return "it takes recorded first states for exact, and parameters may make up for the noise that "
-         "they have; unless the device began at rest, refine.infer_first_states = true";
-}
-
 // What a study may do that it doesn't yet.
 std::string advice_on_residuals(const MethodResults& m) {
   const ObservationNoise& noise = m.study.observation_noise;
   std::vector<std::string> ways;
   const bool moves = m.study.source().gives_motion;
-  if (trusts_first_states(m)) {
+  if (m.study.target.recording && !m.method.refine.infer_first_states) {
     ways.emplace_back(
         fmt::format("refine.infer_first_states = true{} where the first states are as "
                     "noisy as the others (a device that began at rest has none of it)",
@@ -101,9 +85,9 @@ Finding judge<Check::residuals>(const MethodResults& m) {
   const EvaluatedRun& worst = **std::ranges::max_element(m.runs, {}, [](const EvaluatedRun* run) {
     return std::isnan(excess_of(*run)) ? kInfinity : excess_of(*run);
   });
-  const auto failed = static_cast<std::size_t>(std::ranges::count_if(m.runs, is_excessive));
+  const Index failed = std::ranges::count_if(m.runs, is_excessive);
   const std::string size = fmt::format("variance {:.2g} times the noise's", excess_of(worst));
-  if (failed == 0 && is_by_chance(worst)) return passes(size, word_of_first_states(m));
+  if (failed == 0 && is_by_chance(worst)) return passes(size);
   const std::string what =
       fmt::format("{}: {}", words_of_residuals(m.data, worst), advice_on_residuals(m));
   if (failed == 0) return passes(size, what);

@@ -15,13 +15,10 @@ namespace {
 // Of the weights of draws of the prior.
 Finding judge_weights(const MethodResults& m) {
   constexpr double fewest = 100.0;
-  double smallest = kInfinity;
-  std::size_t failed = 0;
-  for (const EvaluatedRun* run : m.runs) {
-    const double size = run->evaluation.sampler->ess.minCoeff();
-    failed += size < fewest ? 1 : 0;
-    smallest = std::min(smallest, size);
-  }
+  const Vector sizes =
+      each(m.runs, [](const EvaluatedRun* run) { return run->evaluation.sampler->ess.minCoeff(); });
+  const double smallest = sizes.minCoeff();
+  const Index failed = (sizes.array() < fewest).count();
   const std::string text = fmt::format("effective size {:.3g}", smallest);
   if (failed == 0) return passes(text);
   return fails("too few DIFFERENT draws" + seeds_text(failed, m.runs.size()) + ", " + text,
@@ -39,7 +36,7 @@ std::vector<std::string> remedies_of(const MethodResults& m,
     remedies.emplace_back("raise refine.max_simulations");
   }
   if (certificate.power < certificate.wanted_power) {
-    remedies.emplace_back(m.study.source().gives_motion && m.data.target.num_rollouts() > 1
+    remedies.emplace_back(m.data.target.num_rollouts() > 1
                               ? "let refine.cross_validate choose a smaller power"
                               : "lower refine.likelihood_power");
   }
@@ -65,41 +62,14 @@ void add_new(std::vector<std::string>& all, const std::vector<std::string>& more
 // Power below which the recording hardly counts.
 constexpr double kSmallPower = 0.05;
 
-// The largest power that predicts left-out rollouts about as well as that of every run.
-double largest_as_good(const Runs& runs) {
-  double largest = 1.0;
-  for (const EvaluatedRun* run : runs) {
-    const bool has_chosen = run->notes.powers.power.size() > 0;
-    largest = std::min(
-        largest, has_chosen ? run->notes.powers.largest_as_good() : run->notes.certificate->power);
-  }
-  return largest;
-}
-
 // What a power says of the simulator, where the recording hardly counts.
-std::string words_of_power(double power, double as_good, bool is_smallest) {
+std::string words_of_power(double power) {
   if (power >= kSmallPower) return "";
-  if (as_good >= kSmallPower) {
-    return fmt::format(
-        "powers from {:.2g} to {:.2g} predict rollouts that are left out about as well, and the "
-        "smallest of them is taken: so few rollouts don't tell whether the simulator lacks "
-        "something; more of them do, and where it is known to be right, and first states are exact "
-        "or inferred, likelihood_power = 1 without cross_validate",
-        power, as_good);
-  }
   return fmt::format(
-      "it believes the recording to a power of {:.2g}{}: simulator or noise are far from it; look "
-      "for what they lack",
-      power,
-      is_smallest ? ", the smallest that was tried, which predicts rollouts that are left out "
-                    "about as well as any, and at which it may still be too narrow"
-                  : "");
-}
-
-// Whether larger powers than the first one predict hardly better.
-bool is_smallest_tried(const EvaluatedRun& run) {
-  const Vector& tried = run.notes.powers.power;
-  return tried.size() > 1 && run.notes.certificate->wanted_power <= tried(0);
+      "the recording hardly counts, at a power of {:.2g}, the smallest that predicts left-out "
+      "rollouts about as well as any: simulator or noise lack something, or rollouts are too few "
+      "to tell",
+      power);
 }
 
 std::string text_of_powers(double smallest, double largest) {
@@ -118,16 +88,13 @@ Finding pass_certificates(const MethodResults& m, const std::string& text, doubl
                   "the largest power that was reached predicts rollouts that are left out best, "
                   "and larger ones may do better: raise refine.max_simulations");
   }
-  const bool is_smallest = std::ranges::all_of(m.runs, [&](const EvaluatedRun* run) {
-    return run->notes.certificate->power > power || is_smallest_tried(*run);
-  });
-  return passes(text, words_of_power(power, largest_as_good(m.runs), is_smallest));
+  return passes(text, words_of_power(power));
 }
 
 // Of refined posteriors: the certificates of their draws.
 Finding judge_certificates(const MethodResults& m) {
   std::vector<std::string> faults, remedies;
-  std::size_t failed = 0;
+  Index failed = 0;
   double smallest = kInfinity, heaviest = -kInfinity, power = 1.0, largest_power = 0.0;
   bool has_pool = false;
   for (const EvaluatedRun* run : m.runs) {
@@ -160,8 +127,8 @@ Finding judge_certificates(const MethodResults& m) {
 // Of pooled networks (inference/pooled_posterior.h), which were each right about held-out
 // simulations: whether they agree about x_o as they do about those.
 Finding judge_pool(const MethodResults& m) {
-  constexpr double least = 0.1, telling = 0.5;
-  std::size_t failed = 0;
+  constexpr double least = 0.1;
+  Index failed = 0;
   double smallest = 1.0;
   std::string powers;
   for (const EvaluatedRun* run : m.runs) {
@@ -174,36 +141,28 @@ Finding judge_pool(const MethodResults& m) {
     smallest = share;
     powers = fmt::format("{:.2g} of {:.2g}", left, wanted);
   }
-  const std::string advice = "simulator or noise lack something" + noise_hint(m.study);
-  if (failed > 0) {
-    return fails(
-        "NPE and NLE CONTRADICT each other" + seeds_text(failed, m.runs.size()) +
-            ", power of NLE " + powers,
-        "NPE and NLE, whose powers held-out simulations have chosen, contradict each other at "
-        "x_o, where that of NLE is " +
-            powers +
-            ": it is like none of the simulations, and NPE alone extrapolates to it: " + advice);
-  }
-  if (smallest >= telling) return passes("");
-  return passes("",
-                "NPE and NLE agree less about x_o than about held-out simulations, the power of "
-                "NLE is " +
-                    powers + ": chance, or " + advice);
+  if (failed == 0) return passes("");
+  return fails("NPE and NLE CONTRADICT each other" + seeds_text(failed, m.runs.size()) +
+                   ", power of NLE " + powers,
+               "NPE and NLE, whose powers held-out simulations have chosen, contradict each other "
+               "at x_o, where that of NLE is " +
+                   powers +
+                   ": it is like none of the simulations, and NPE alone extrapolates to it: "
+                   "simulator or noise lack something" +
+                   noise_hint(m.study));
 }
 
 Finding judge_chains(const MethodResults& m) {
-  double largest = 0.0;
-  std::size_t failed = 0;
-  for (const EvaluatedRun* run : m.runs) {
+  const Vector r_hats = each(m.runs, [](const EvaluatedRun* run) {
     const Vector& r_hat = run->evaluation.sampler->r_hat;
-    if (r_hat.hasNaN()) {
-      return cannot_tell(
-          "fewer than four draws of each chain say nothing; raise evaluate.num_samples");
-    }
-    failed += r_hat.maxCoeff() > inference::kLargestRHat ? 1 : 0;
-    largest = std::max(largest, r_hat.maxCoeff());
+    return r_hat.hasNaN() ? kNaN : r_hat.maxCoeff();
+  });
+  if (r_hats.hasNaN()) {
+    return cannot_tell(
+        "fewer than four draws of each chain say nothing; raise evaluate.num_samples");
   }
-  const std::string text = fmt::format("R-hat {:.3f}", largest);
+  const Index failed = (r_hats.array() > inference::kLargestRHat).count();
+  const std::string text = fmt::format("R-hat {:.3f}", r_hats.maxCoeff());
   if (failed == 0) return passes(text);
   return fails(
       "chains DON'T agree" + seeds_text(failed, m.runs.size()) + ", " + text,

@@ -31,18 +31,19 @@ std::string words_of_prediction(const Study& study, const Diagnosis& found, std:
       predictive.check.overall.p_value, noise_hint(study));
 }
 
+std::string too_few(const std::string& what, Index count, const std::string& advice) {
+  return fmt::format("{} {} are too few to find anything; {}", count, what, advice);
+}
+
 // More samples don't help a posterior that lies where its simulator fails.
 std::string too_few_predictions(const Diagnosis& found, double level) {
   const PredictiveResult& predictive = *found.predictive;
   const Index count = predictive.check.overall.num_reference;
   if (predictive.median.hasNaN() || 6.0 * inference::smallest_tail_probability(count) < level)
     return "";
-  const std::string what = "predictions to compare with";
-  if (2 * predictive.num_failed <= found.num_samples) {
-    return too_few(what, count, "raise diagnose.num_samples");
-  }
-  return fmt::format("{} of {} samples failed in the simulator; {}", predictive.num_failed,
-                     found.num_samples, too_few(what, count, kFailureAdvice));
+  const bool most_failed = 2 * predictive.num_failed > found.num_samples;
+  return too_few("predictions to compare with", count,
+                 most_failed ? "most samples fail in the simulator" : "raise diagnose.num_samples");
 }
 
 std::string words_of_distances(const inference::OutOfDistribution& ood) {

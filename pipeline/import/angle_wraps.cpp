@@ -1,11 +1,16 @@
 #include "pipeline/import/angle_wraps.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
+#include "core/error.h"
 #include "core/quantile.h"
+#include "core/text.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -13,6 +18,13 @@ namespace {
 constexpr double kDegrees = 360.0;
 constexpr double kRadians = 2.0 * std::numbers::pi;
 constexpr Index kNeighbors = 2;  // steps on each side that say how fast the angle moves
+
+// A whole turn; none in other units.
+std::optional<double> turn_in(const std::string& unit) {
+  if (unit == "rad") return kRadians;
+  if (unit == "deg") return kDegrees;
+  return std::nullopt;
+}
 
 // The steps around step t, without t itself.
 std::vector<double> steps_around(const Vector& steps, Index t, Index neighbors = kNeighbors) {
@@ -53,13 +65,41 @@ std::vector<Index> jumps_of(const Vector& angle, double period) {
   return rows;
 }
 
-}  // namespace
-
-std::optional<double> turn_in(const std::string& unit) {
-  if (unit == "rad") return kRadians;
-  if (unit == "deg") return kDegrees;
-  return std::nullopt;
+Index position_of(const std::vector<Channel>& states, const std::string& label) {
+  const auto state = std::ranges::find(states, label, &Channel::label);
+  if (state != states.end()) return state - states.begin();
+  std::vector<std::string> labels;
+  for (const Channel& channel : states) labels.push_back(channel.label);
+  throw InputError("--unwrap: " + unknown_name("state", label, labels));
 }
+
+Findings turns_of(const Target& recording, Index c) {
+  const auto& [label, unit] = recording.state_channels[static_cast<std::size_t>(c)];
+  std::string first;
+  bool are_degrees = false;
+  Index num_jumps = 0, num_rollouts = 0;
+  for (const Rollout& rollout : recording.rollouts) {
+    const Vector angle = rollout.states.col(c);
+    const auto [period, rows] = find_jumps(angle, unit);
+    if (rows.empty()) continue;
+    if (num_jumps == 0) {
+      const Index t = rows.front();
+      first = fmt::format("{}: {} jumps by {:.4g} after row {}", rollout.name, label,
+                          angle(t + 1) - angle(t), t + 1);
+      are_degrees = unit == "rad" && period == kDegrees;
+    }
+    num_jumps += std::ssize(rows);
+    ++num_rollouts;
+  }
+  if (num_jumps == 0) return {};
+  return {
+      warning(fmt::format("{} ({} in {}), a whole turn{}: it wraps; add {}--unwrap {}", first,
+                          counted(num_jumps, "such jump"), counted(num_rollouts, "rollout"),
+                          are_degrees ? " of degrees, though its unit says [rad]" : "",
+                          are_degrees ? fmt::format("--scale {}=0.0174533 ", label) : "", label))};
+}
+
+}  // namespace
 
 AngleJumps find_jumps(const Vector& angle, const std::string& unit) {
   const std::optional<double> turn = turn_in(unit);
@@ -95,6 +135,30 @@ Index unwrap(Eigen::Ref<Vector, 0, Eigen::InnerStride<>> angle, double period) {
     angle(t) += turns * period;
   }
   return count;
+}
+
+Findings find_turns(const Target& recording) {
+  Findings found;
+  for (Index c = 0; c < recording.num_states(); ++c) append(found, turns_of(recording, c));
+  return found;
+}
+
+Findings unwrap_turns(Target& recording, const std::vector<std::string>& labels) {
+  Findings found;
+  for (const std::string& label : labels) {
+    const Index c = position_of(recording.state_channels, label);
+    const std::string& unit = recording.state_channels[static_cast<std::size_t>(c)].unit;
+    const std::optional<double> turn = turn_in(unit);
+    if (!turn) {
+      throw InputError(
+          fmt::format("--unwrap {}: it is in [{}], must be in [rad] or [deg]", label, unit));
+    }
+    Index count = 0;
+    for (Rollout& rollout : recording.rollouts) count += unwrap(rollout.states.col(c), *turn);
+    found.push_back(note(
+        fmt::format("unwrapped {}: {} of a whole turn taken out", label, counted(count, "jump"))));
+  }
+  return found;
 }
 
 }  // namespace npdr::pipeline

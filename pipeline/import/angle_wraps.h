@@ -1,16 +1,14 @@
 /// Angles that a device wraps: at the end of a turn they jump back by a whole one.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/finding.h"
+#include "core/target.h"
 #include "core/types.h"
 
 namespace npdr::pipeline {
-
-/// A whole turn: 2 pi in "rad", 360 in "deg"; none in other units.
-std::optional<double> turn_in(const std::string& unit);
 
 /// Jumps of one period.
 struct AngleJumps {
@@ -24,6 +22,10 @@ struct AngleJumps {
 /// angle is larger: of degrees. No rows without jumps, or in another unit.
 AngleJumps find_jumps(const Vector& angle, const std::string& unit);
 
+/// The states that jump by whole turns, after which row (the first is 1) of which rollout first,
+/// and the option of `npdr import` that helps.
+Findings find_turns(const Target& recording);
+
 /// Samples of a rate (n), `dt` [s] apart, that would move the angle by a whole turn in one step, or
 /// by half of one in each of two, while those around them are small: differences of an angle that
 /// wraps. `unit` is the angle's; 0 for others.
@@ -32,5 +34,9 @@ Index count_spikes(const Vector& rate, double dt, const std::string& unit);
 /// Adds whole turns to the samples so that no step is longer than half of one; returns the number
 /// of steps that were.
 Index unwrap(Eigen::Ref<Vector, 0, Eigen::InnerStride<>> angle, double period);
+
+/// The same of the states with these labels, in all rollouts, with a note of each. Throws
+/// InputError for labels that no state has, and for units other than [rad] and [deg].
+Findings unwrap_turns(Target& recording, const std::vector<std::string>& labels);
 
 }  // namespace npdr::pipeline

@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/quantile.h"
 #include "core/text.h"
+#include "pipeline/store/column_labels.h"
 #include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {
@@ -21,16 +22,15 @@ constexpr double kExplained = 7.0;        // sigma / dt
 constexpr double kLeastOfLargest = 0.05;  // of the largest rate
 constexpr Index kNear = 41;               // samples
 
-void require_windows(const Target& target, const std::vector<std::string>& files, Index window) {
-  for (std::size_t h = 0; h < files.size(); ++h) {
-    const Index num_states = target.rollouts[h].states.rows();
-    if (num_states >= window) continue;
+void require_windows(const Target& target, Index window) {
+  for (const Rollout& rollout : target.rollouts) {
+    if (rollout.states.rows() >= window) continue;
     throw InputError(fmt::format("{}: has {} states, must have {} or more for --differentiate={}",
-                                 files[h], num_states, window, window));
+                                 rollout.name, rollout.states.rows(), window, window));
   }
 }
 
-std::string label_of(const Target& target, Index channel) {
+const std::string& label_of(const Target& target, Index channel) {
   return target.state_channels[static_cast<std::size_t>(channel)].label;
 }
 
@@ -39,14 +39,10 @@ std::string words_of_first(const Target& target, Index rate, bool at_rest) {
   if (at_rest) return "0 at the first states";
   std::vector<std::string> values;
   for (const Rollout& rollout : target.rollouts) {
-    if (values.size() == 5) {
-      values.back() = "...";
-      break;
-    }
     values.push_back(fmt::format("{:.3g}", rollout.states(0, rate)));
   }
   return fmt::format("at the first states, where simulations start, {}; --at-rest makes them 0",
-                     join(values));
+                     join(few_shortened(values)));
 }
 
 // Where slopes over a rollout's windows aren't those over a few samples.
@@ -99,49 +95,43 @@ double noise_near(const Vector& position, Index t) {
   return sigma;
 }
 
-// The largest one of a rollout; none of what noise explains.
-Bend bend_of(const Target& target, const RatePair& pair, std::size_t h, bool at_rest) {
-  const Rollout& rollout = target.rollouts[h];
-  const Vector position = rollout.states.col(pair.position);
-  const Vector rate = rollout.states.col(pair.rate);
-  Vector differences = (sim::slopes(position, kShortest, target.dt) - rate).cwiseAbs();
-  if (at_rest) differences(0) = 0.0;  // that rate isn't a slope
-  Index t = 0;
-  const double most = differences.maxCoeff(&t);
-  const bool is_large = most > kLeastOfLargest * rate.cwiseAbs().maxCoeff() &&
-                        most > kExplained * noise_near(position, t) / target.dt;
-  return is_large ? Bend{h, t, most} : Bend{};
-}
-
+// The largest one; none of what noise explains.
 Bend largest_bend(const Target& target, const RatePair& pair, bool at_rest) {
   Bend largest;
   for (std::size_t h = 0; h < target.rollouts.size(); ++h) {
-    const Bend bend = bend_of(target, pair, h, at_rest);
-    if (bend.difference > largest.difference) largest = bend;
+    const Vector position = target.rollouts[h].states.col(pair.position);
+    const Vector rate = target.rollouts[h].states.col(pair.rate);
+    Vector differences = (sim::slopes(position, kShortest, target.dt) - rate).cwiseAbs();
+    if (at_rest) differences(0) = 0.0;  // that rate isn't a slope
+    Index t = 0;
+    const double most = differences.maxCoeff(&t);
+    const bool is_large = most > kLeastOfLargest * rate.cwiseAbs().maxCoeff() &&
+                          most > kExplained * noise_near(position, t) / target.dt;
+    if (is_large && most > largest.difference) largest = {h, t, most};
   }
   return largest;
 }
 
 // Few checks of a posterior pass where rates are wrong by more than noise.
-Finding warning_of(const Target& target, const RatePair& pair, const Bend& bend,
-                   const std::string& file, Index window) {
-  const std::string unit = target.state_channels[static_cast<std::size_t>(pair.rate)].unit;
+Finding warning_of(const Target& target, const RatePair& pair, const Bend& bend, Index window) {
+  const auto& [rate, unit] = target.state_channels[static_cast<std::size_t>(pair.rate)];
+  const std::string& position = label_of(target, pair.position);
   return warning(fmt::format(
-      "{}:{}: {} may be off by {:.3g}{}: {} bends too much there for {} samples (give a "
-      "shorter window, which is noisier, --differentiate={}{}), or a sample near it is wrong, "
-      "missing or repeated (put it right); or leave these rows out",
-      file, bend.row + 2, label_of(target, pair.rate), bend.difference,
-      unit.empty() ? "" : " " + unit, label_of(target, pair.position), window,
-      std::max(kShortest, (window + 1) / 4 * 2 + 1),
+      "{}: {} may be off by {:.3g} [{}] in row {}: a sample near it is wrong, missing or repeated, "
+      "or "
+      "{} bends too much for {} samples; correct it, leave these rows out, or give a shorter "
+      "window, which is noisier, --differentiate={}{}",
+      target.rollouts[bend.rollout].name, rate, bend.difference, unit, bend.row + 1, position,
+      window, std::max(kShortest, (window + 1) / 4 * 2 + 1),
       bend.row == 0 ? ", or --at-rest if it stood still" : ""));
 }
 
 }  // namespace
 
 Findings compute_rates(Target& target, const std::vector<RatePair>& pairs,
-                       const std::vector<std::string>& files, const RateOptions& options) {
+                       const RateOptions& options) {
   const Index window = options.window;
-  require_windows(target, files, window);
+  require_windows(target, window);
   Findings found;
   for (const RatePair& pair : pairs) {
     for (Rollout& rollout : target.rollouts) {
@@ -156,9 +146,7 @@ Findings compute_rates(Target& target, const std::vector<RatePair>& pairs,
                          words_of_first(target, pair.rate, options.at_rest))));
     if (options.is_resampled) continue;
     const Bend bend = largest_bend(target, pair, options.at_rest);
-    if (bend.difference > 0.0) {
-      found.push_back(warning_of(target, pair, bend, files[bend.rollout], window));
-    }
+    if (bend.difference > 0.0) found.push_back(warning_of(target, pair, bend, window));
   }
   return found;
 }

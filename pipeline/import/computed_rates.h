@@ -1,7 +1,6 @@
 /// Rates of change that a recording lacks, computed of its positions.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/finding.h"
@@ -17,7 +16,7 @@ struct RateOptions {
 };
 
 /// Sets the rates of `pairs` in every rollout to the slopes of their positions
-/// (sim/savitzky_golay.h). Returns a note of each pair, and a warning with file and line where
+/// (sim/savitzky_golay.h). Returns a note of each pair, and a warning with rollout and row where
 /// slopes over 5 samples differ from these by more than 5 % of the largest rate and by more than
 ///   7 sigma / dt:
 /// the motion bends too much for the window, or a sample near is wrong, missing or repeated. sigma
@@ -25,9 +24,8 @@ struct RateOptions {
 /// and after the place, and an encoder's count / sqrt(12). White noise gives the difference a
 /// standard deviation of at most 1.2 sigma / dt, at the ends. Numbers without noise whose speed
 /// jumps time and again look like counts, and aren't told; positions that were resampled aren't
-/// looked at. `files`: a name for each rollout. Throws InputError for a window that is none, or
-/// longer than a rollout.
+/// looked at. Throws InputError for a window that is none, or longer than a rollout.
 Findings compute_rates(Target& target, const std::vector<RatePair>& pairs,
-                       const std::vector<std::string>& files, const RateOptions& options);
+                       const RateOptions& options);
 
 }  // namespace npdr::pipeline

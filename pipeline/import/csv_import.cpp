@@ -4,20 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <numbers>
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pipeline/import/angle_wraps.h"
 #include "pipeline/import/computed_rates.h"
-#include "pipeline/import/csv_rows.h"
 #include "pipeline/import/csv_times.h"
-#include "pipeline/import/csv_turns.h"
-#include "pipeline/import/glitch_report.h"
+#include "pipeline/import/glitches.h"
 #include "pipeline/import/rate_report.h"
 #include "pipeline/import/recording_warnings.h"
-#include "pipeline/import/resample.h"
 #include "pipeline/import/rollout_length.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/number_table.h"
@@ -55,18 +52,6 @@ void require_alike(const CsvRows& rows, const CsvRows& first) {
       rows.name, first.name));
 }
 
-std::string nothing_to_compute(const CsvRows& rows) {
-  if (!rate_pairs(rows.states).empty()) {
-    return ": has a column for every rate, so --differentiate has nothing to compute; leave it "
-           "out, or rename the columns of rates to replace";
-  }
-  const Channel& first = rows.states.front();
-  return fmt::format(
-      ": --differentiate has nothing to compute, since no state is called X_dot after another one, "
-      "X: name those to compute, too, such as '{}_dot [{}]' of '{}'",
-      first.label, rate_unit(first.unit), first.label);
-}
-
 std::vector<CsvRows> read_files(const std::vector<std::filesystem::path>& paths,
                                 const CsvOptions& options) {
   std::vector<CsvRows> files;
@@ -75,37 +60,32 @@ std::vector<CsvRows> read_files(const std::vector<std::filesystem::path>& paths,
     require_alike(files.back(), files.front());
   }
   if (options.differentiate && files.front().lacking.empty()) {
-    throw InputError(files.front().name + nothing_to_compute(files.front()));
+    throw InputError(files.front().name +
+                     ": --differentiate has nothing to compute: it computes each state X_dot, "
+                     "named after another one, X, that the file has no column of");
   }
   return files;
 }
 
-Rollout resampled_rollout(const CsvRows& rows, double dt) {
-  check_times_to_resample(rows, dt);
-  try {
-    EvenRows even = resampled(rows.times, rows.state_values, rows.action_values, dt);
-    return {"", std::move(even.states), std::move(even.actions)};
-  } catch (const InputError& error) {
-    throw InputError(rows.name + ": --resample: " + error.what());
-  }
-}
-
-// Rollouts of one dt; their lengths may differ.
-Target even_target(const std::vector<CsvRows>& files, const CsvOptions& options) {
+// The files' rows as they are, of which `files` keep the rest: rollouts have the names of files.
+Target take_rollouts(std::vector<CsvRows>& files) {
   Target target;
   target.state_channels = files.front().states;
   target.action_channels = files.front().actions;
-  target.dt = options.resample ? *options.resample : even_step(files.front(), options.dt);
-  for (const CsvRows& rows : files) {
-    if (!options.resample) require_step(rows, options.dt, target.dt);
-    target.rollouts.push_back(options.resample
-                                  ? resampled_rollout(rows, *options.resample)
-                                  : Rollout{"", rows.state_values, rows.action_values});
-  }
+  for (CsvRows& rows : files) target.rollouts.push_back(std::move(rows.rollout));
   return target;
 }
 
-// Those of the files; where two are the same, with the folder before it.
+// Puts rollouts on one dt; their lengths may differ.
+void make_even(Target& target, const std::vector<CsvRows>& files, const CsvOptions& options) {
+  target.dt = options.resample ? *options.resample : even_step(files, options.dt);
+  if (!options.resample) return;
+  for (std::size_t h = 0; h < files.size(); ++h) {
+    target.rollouts[h] = resampled(files[h], target.rollouts[h], target.dt);
+  }
+}
+
+// Names of the files; where two are the same, with the folder before it.
 void name_rollouts(const std::vector<std::filesystem::path>& paths, Target& target) {
   std::map<std::string, int> count;
   for (const auto& path : paths) ++count[path.stem().string()];
@@ -117,59 +97,23 @@ void name_rollouts(const std::vector<std::filesystem::path>& paths, Target& targ
   }
 }
 
-std::string note_of_resampling(const std::vector<CsvRows>& files, double dt) {
+std::string words_of_resampling(const std::vector<CsvRows>& files, double dt) {
   TimeSteps all = steps_of(files.front().times);
   for (const CsvRows& rows : files) {
     const TimeSteps steps = steps_of(rows.times);
     all.shortest = std::min(all.shortest, steps.shortest);
     all.longest = std::max(all.longest, steps.longest);
   }
-  return fmt::format("resampled to {} s: steps were {:.4g} to {:.4g} s", dt, all.shortest,
-                     all.longest);
-}
-
-// A grid that is much finer than the samples: lines between them count as measured, and rates are
-// taken over a part of one.
-Findings find_fine_grid(const std::vector<CsvRows>& files, double dt) {
-  constexpr double least = 0.5;
-  double usual = 0.0;  // of the slowest file
-  for (const CsvRows& rows : files) usual = std::max(usual, steps_of(rows.times).median);
-  if (dt >= least * usual) return {};
-  return {
-      warning(fmt::format("--resample {} is finer than the samples, {:.4g} s apart: straight "
-                          "lines between them count as measured; give {:.3g} or more",
-                          dt, usual, usual))};
-}
-
-// Lines over gaps count as measured.
-Findings find_gaps(const std::vector<CsvRows>& files, double dt) {
-  constexpr double most = 0.05;
-  Findings found;
-  for (const CsvRows& rows : files) {
-    const double share = share_of_gaps(rows.times, dt);
-    if (share <= most) continue;
-    found.push_back(warning(
-        fmt::format("{}: {:.0f} % of its time lies between samples that are further apart than "
-                    "twice the usual: straight lines there, which count as measured",
-                    rows.name, 100.0 * share)));
-  }
-  return found;
+  return fmt::format(
+      "resampled to {} s: steps were {:.4g} to {:.4g} s; lines between them count as measured", dt,
+      all.shortest, all.longest);
 }
 
 // A rollout that counts twice makes posteriors narrower than they are.
-void require_distinct(const std::vector<std::filesystem::path>& paths) {
-  auto sorted = paths;
-  std::ranges::sort(sorted);
-  const auto twice = std::ranges::adjacent_find(sorted);
-  if (twice == sorted.end()) return;
-  throw InputError(twice->string() + ": is named twice; name each rollout once");
-}
-
-// Files may be copies of each other.
-void require_no_copies(const Target& target, const std::vector<std::filesystem::path>& paths) {
+void require_no_copies(const Target& target) {
   for (const auto& [one, other] : copies_of(target)) {
     throw InputError(fmt::format("{}: holds the same numbers as {}; name each rollout once",
-                                 paths[other].string(), paths[one].string()));
+                                 target.rollouts[other].name, target.rollouts[one].name));
   }
 }
 
@@ -181,87 +125,82 @@ std::vector<RatePair> measured(std::vector<RatePair> pairs, const CsvRows& rows)
   return pairs;
 }
 
-std::vector<std::string> names_of_files(const std::vector<CsvRows>& files) {
-  std::vector<std::string> names;
-  for (const CsvRows& rows : files) names.push_back(rows.name);
-  return names;
-}
-
-std::vector<std::string> bare_names(const std::vector<std::filesystem::path>& paths) {
+std::string source_of(const std::vector<std::filesystem::path>& paths) {
   std::vector<std::string> names;
   for (const std::filesystem::path& path : paths) names.push_back(path.filename().string());
-  return names;
+  return join(names);
 }
 
-// What nobody asked for may be what the simulator is given.
-Findings find_ignored(const CsvRows& rows) {
-  if (rows.ignored.empty()) return {};
-  return {note(fmt::format("not imported: {}; --states and --actions name what is",
-                           join(few_shortened(rows.ignored))))};
+// Of the files as such: what nobody asked for may be what the simulator is given.
+Findings find_in_files(const std::vector<CsvRows>& files) {
+  Findings found;
+  if (const auto& ignored = files.front().ignored; !ignored.empty()) {
+    found.push_back(note(fmt::format("not imported: {}; --states and --actions name what is",
+                                     join(few_shortened(ignored)))));
+  }
+  for (const CsvRows& rows : files) {
+    if (!rows.has_line_end) found.push_back(warning_of_end(rows.name));
+  }
+  return found;
 }
 
 // Rates are the slopes of angles also where all of a motion is in degrees; few begin beyond a turn.
-Findings find_far_beginning(const Target& target, const std::vector<std::string>& files) {
-  for (std::size_t h = 0; h < target.rollouts.size(); ++h) {
-    for (std::size_t c = 0; c < target.state_channels.size(); ++c) {
-      const auto& [label, unit] = target.state_channels[c];
-      const double first = target.rollouts[h].states(0, static_cast<Index>(c));
+Findings find_far_beginning(const Target& target) {
+  for (const Rollout& rollout : target.rollouts) {
+    for (Index c = 0; c < target.num_states(); ++c) {
+      const auto& [label, unit] = target.state_channels[static_cast<std::size_t>(c)];
+      const double first = rollout.states(0, c);
       if (unit != "rad" || std::abs(first) <= 2.0 * std::numbers::pi) continue;
       return {warning(fmt::format(
           "{}: {} begins at {:.3g} rad, more than a turn from zero: if it is in degrees, add "
           "--scale {}=0.0174533, and the same for its rate",
-          files[h], label, first, label))};
+          rollout.name, label, first, label))};
     }
   }
   return {};
 }
 
-// Motions are recorded faster than that, though not so fast; measured rates would contradict
-// another clock.
-Findings find_strange_clock(const Target& target, const CsvRows& rows, bool is_resampled) {
-  constexpr double slow = 1.0, fast = 1e-6;  // [s]
-  const std::string steps = fmt::format("{}: steps of {:.6g} s, which ", rows.name, target.dt);
-  if (target.dt < fast) return {warning(steps + "no motion needs: in which unit are times?")};
+// Motions are recorded faster than that; measured rates would contradict another clock.
+Findings find_slow_clock(const Target& target) {
+  constexpr double slow = 1.0;  // [s]
   if (target.dt < slow || rate_pairs(target.state_channels).empty()) return {};
-  return {
-      warning(steps + "are long for a motion: if times are in ms, " +
-              (rows.time.empty() ? fmt::format("give --dt {:.6g}", 1e-3 * target.dt)
-                                 : fmt::format("add --scale {}=0.001{}", rows.time,
-                                               is_resampled ? ", and give --resample in s" : "")))};
+  return {warning(
+      fmt::format("steps of {:.6g} s are long for a motion: if times are in ms, --scale the column "
+                  "of times by 0.001, or give --dt or --resample in s",
+                  target.dt))};
 }
 
-// Throws what is wrong with angles and rates, all at once, after glitches, which may be the cause;
-// otherwise says what was checked, and what is probably wrong.
-Findings check_rates(const Target& target, const std::vector<CsvRows>& files,
-                     const Findings& glitches, bool is_resampled) {
-  const CsvRows& first = files.front();
-  const std::vector<std::string> names = names_of_files(files);
-  const auto is_problem = [](const Finding& f) { return f.severity != Severity::note; };
-  std::vector<RatePair> pairs = measured(rate_pairs(first.states), first);
-  Findings found = find_turns(files);
-  append(found, find_in_rates(target, pairs, names, first.time));
-  if (std::ranges::any_of(found, is_problem)) {
-    std::erase_if(found, std::not_fn(is_problem));
-    found.insert(found.begin(), glitches.begin(), glitches.end());
-    std::string problems;
-    for (const Finding& finding : found) problems += finding.what + "\n";
-    throw InputError(
-        problems +
-        "--no-rate-check imports the files as they are; simulations then start from, and are "
-        "compared with, angles and rates that contradict each other, of which every run warns");
+bool is_problem(const Finding& finding) { return finding.severity != Severity::note; }
+
+// All at once, after glitches, which may be the cause.
+[[noreturn]] void refuse(Findings glitches, Findings found) {
+  append(glitches, std::move(found));
+  std::string problems;
+  for (const Finding& finding : glitches) {
+    if (is_problem(finding)) problems += finding.what + "\n";
   }
+  throw InputError(problems +
+                   "--no-rate-check imports the files as they are; every run then warns of angles "
+                   "and rates that contradict each other");
+}
+
+// What was checked of rates, and what is probably wrong.
+Findings check_rates(const Target& target, const CsvRows& first, Findings turns,
+                     const Findings& glitches) {
+  const std::vector<RatePair> pairs = measured(rate_pairs(first.states), first);
+  Findings found = std::move(turns);
+  append(found, find_in_rates(target, pairs, first.time));
+  if (std::ranges::any_of(found, is_problem)) refuse(glitches, std::move(found));
   const std::vector<RatePair> likely = measured(likely_rate_pairs(first.states), first);
-  Findings of_likely = find_in_rates(target, likely, names, first.time);
-  if (std::ranges::any_of(of_likely, is_problem)) {
-    std::erase_if(of_likely, std::not_fn(is_problem));
-    for (Finding& problem : of_likely) {
-      problem.what += "; nothing is wrong where these aren't a position and its rate";
+  for (Finding& finding : find_in_rates(target, likely, first.time)) {
+    if (is_problem(finding)) {
+      finding.what += "; nothing is wrong where these aren't a position and its rate";
     }
+    found.push_back(std::move(finding));
   }
-  append(found, of_likely);
-  append(found, find_leaps(target, names));
-  append(found, find_strange_clock(target, first, is_resampled));
-  append(found, find_far_beginning(target, names));
+  append(found, find_leaps(target));
+  append(found, find_slow_clock(target));
+  append(found, find_far_beginning(target));
   if (pairs.empty() && likely.empty()) {
     found.push_back(
         note("not checked: units, signs and the order of columns, since none of them is the "
@@ -276,35 +215,28 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
                              const CsvOptions& options) {
   if (paths.empty()) throw InputError("no CSV files to import");
   check_options(options);
-  require_distinct(paths);
   std::vector<CsvRows> files = read_files(paths, options);
-  ImportedRecording result{{}, find_ignored(files.front())};
-  Findings& found = result.findings;
-  for (const CsvRows& rows : files) {
-    if (!rows.has_line_end) found.push_back(warning_of_end(rows.name));
-  }
-  const Findings glitches = find_glitches(files, options);
+  ImportedRecording result{take_rollouts(files), find_in_files(files)};
+  auto& [target, found] = result;
+  require_no_copies(target);
+  const Findings glitches = find_glitches(target);
   append(found, glitches);
-  append(found, unwrap_turns(files, options.unwrap));
-  Target& target = result.target = even_target(files, options);
-  name_rollouts(paths, target);
-  require_no_copies(target, paths);
+  append(found, unwrap_turns(target, options.unwrap));
+  Findings turns = find_turns(target);
+  make_even(target, files, options);
   if (options.resample) {
-    found.push_back(note(note_of_resampling(files, *options.resample)));
-    append(found, find_fine_grid(files, *options.resample));
-    append(found, find_gaps(files, *options.resample));
+    found.push_back(note(words_of_resampling(files, *options.resample)));
   }
-  const std::vector<std::string> names = names_of_files(files);
+  const CsvRows& first = files.front();
   if (options.differentiate) {
     append(found,
-           compute_rates(target, files.front().lacking, names,
+           compute_rates(target, first.lacking,
                          {*options.differentiate, options.at_rest, options.resample.has_value()}));
   }
-  if (options.check_rates) {
-    append(found, check_rates(target, files, glitches, options.resample.has_value()));
-  }
-  append(found, cut_rollouts(target, options.length, names));
-  target.source = options.source.empty() ? join(bare_names(paths)) : options.source;
+  if (options.check_rates) append(found, check_rates(target, first, std::move(turns), glitches));
+  name_rollouts(paths, target);
+  append(found, cut_rollouts(target, options.length));
+  target.source = options.source.empty() ? source_of(paths) : options.source;
   target.check(paths.front().string());
   return result;
 }

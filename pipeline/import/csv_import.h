@@ -7,7 +7,7 @@
 
 #include "core/finding.h"
 #include "core/target.h"
-#include "pipeline/import/csv_options.h"
+#include "pipeline/import/csv_rows.h"
 
 namespace npdr::pipeline {
 

@@ -5,41 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <functional>
 #include <iterator>
 #include <optional>
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pipeline/store/column_labels.h"
 #include "pipeline/store/number_table.h"
 
 namespace npdr::pipeline {
 namespace {
-
-struct Conversion {
-  const char* from;
-  const char* to;
-  double factor;
-};
-
-// That messages know.
-constexpr std::array<Conversion, 9> kConversions = {{{"deg", "rad", 0.0174533},
-                                                     {"deg/s", "rad/s", 0.0174533},
-                                                     {"rpm", "rad/s", 0.10472},
-                                                     {"ms", "s", 1e-3},
-                                                     {"us", "s", 1e-6},
-                                                     {"mm", "m", 1e-3},
-                                                     {"cm", "m", 1e-2},
-                                                     {"mm/s", "m/s", 1e-3},
-                                                     {"mV", "V", 1e-3}}};
-
-std::string conversion_hint(const Channel& found, const std::string& unit) {
-  for (const Conversion& known : kConversions) {
-    if (found.unit != known.from || unit != known.to) continue;
-    return fmt::format("; --scale {}={} converts it", found.label, known.factor);
-  }
-  return "";
-}
 
 constexpr const char* kNoHoles =
     "a finite number: cut the rollout there or, where there are times, remove the row and pass "
@@ -50,7 +25,6 @@ struct Column {
   std::optional<std::size_t> index;
   double factor = 1.0;
   Channel channel;
-  bool is_guess = false;  // of a clock: it is none unless it increases
 
   double number(const NumberTable& table) const {
     return index ? factor * table.finite_number(*index, kNoHoles) : 0.0;
@@ -61,12 +35,6 @@ struct Columns {
   std::vector<Column> states, actions;
   std::optional<Column> time;
 };
-
-std::vector<std::string> labels_of(const std::vector<Channel>& channels) {
-  std::vector<std::string> labels;
-  for (const Channel& channel : channels) labels.push_back(channel.label);
-  return labels;
-}
 
 // Finds the columns of one file.
 class ColumnFinder {
@@ -101,36 +69,18 @@ class ColumnFinder {
     return std::ranges::find(labels_, label) != labels_.end();
   }
 
-  // The channel that this one is the rate of, where the file has its column; null: none.
-  const Channel* position_of(const Channel& rate) const {
-    for (const Channel& channel : options_.channels.states) {
-      if (is_rate_of(rate, channel) && has(channel.label)) return &channel;
-    }
-    return nullptr;
-  }
-
+  // A rate without a column is computed of its position.
   Column state(const Channel& channel) const {
-    const Channel* position = has(channel.label) ? nullptr : position_of(channel);
-    if (position == nullptr) {
-      if (options_.differentiate && !has(channel.label)) refuse_other_unit(channel);
-      return column(channel);
+    if (has(channel.label)) return column(channel);
+    for (const Channel& position : options_.channels.states) {
+      if (!is_rate_of(channel, position) || !has(position.label)) continue;
+      if (options_.differentiate) {
+        return {{}, 1.0, {channel.label, rate_unit(column(position).channel.unit)}};
+      }
+      throw InputError(fmt::format("{}; --differentiate computes it of '{}'",
+                                   lack_of(channel.label), position.label));
     }
-    if (options_.differentiate) return {{}, 1.0, {channel.label, unit_of_slope(*position)}};
-    throw InputError(fmt::format("{}; --differentiate computes it of '{}'", lack_of(channel.label),
-                                 position->label));
-  }
-
-  void refuse_other_unit(const Channel& rate) const {
-    for (const Channel& channel : options_.channels.states) {
-      if (rate.label != channel.label + "_dot" || !has(channel.label)) continue;
-      throw InputError(fmt::format("{}; --differentiate computes it of '{}' in [{}], not in [{}]",
-                                   lack_of(rate.label), channel.label, rate_unit(channel.unit),
-                                   rate.unit));
-    }
-  }
-
-  std::string unit_of_slope(const Channel& position) const {
-    return rate_unit(column(position).channel.unit);
+    throw InputError(lack_of(channel.label));
   }
 
   std::string lack_of(const std::string& label) const {
@@ -150,9 +100,10 @@ class ColumnFinder {
     const Channel& found = table_.columns()[index];
     const ColumnScale* scale = scale_of(channel.label);
     if (scale == nullptr && !channel.unit.empty() && found.unit != channel.unit) {
-      throw InputError(fmt::format("{}:1: column {} '{}' is in [{}], must be in [{}]{}",
-                                   table_.name(), index + 1, channel.label, found.unit,
-                                   channel.unit, conversion_hint(found, channel.unit)));
+      throw InputError(fmt::format(
+          "{}:1: column {} '{}' is in [{}], must be in [{}]; --scale {}=FACTOR "
+          "converts it",
+          table_.name(), index + 1, channel.label, found.unit, channel.unit, channel.label));
     }
     if (scale != nullptr && channel.unit.empty()) {
       throw InputError(
@@ -181,42 +132,28 @@ class ColumnFinder {
     return (name == "t" || has_word) && !is_channel(found.label);
   }
 
-  // In [s], as it is or by its scale.
-  bool is_in_seconds(const Channel& found) const {
-    return found.unit == "s" || scale_of(found.label) != nullptr;
-  }
-
+  // 't' or 'time'; else, without --dt, the only one in [s], as it is or by its scale, whose name
+  // is a clock's.
   std::optional<Column> time() const {
     for (const char* label : {"t", "time"}) {
       if (has(label) && !is_channel(label)) return column({label, "s"});
     }
-    constexpr std::array times = {"s", "ms", "us", "ns", "min", "h", ""};
-    std::vector<Channel> clocks, in_seconds;
-    std::ranges::copy_if(table_.columns(), std::back_inserter(clocks), [&](const Channel& found) {
-      return is_called_clock(found) && std::ranges::find(times, found.unit) != times.end();
-    });
-    std::ranges::copy_if(clocks, std::back_inserter(in_seconds),
-                         [&](const Channel& found) { return is_in_seconds(found); });
-    if (in_seconds.size() == 1) {
-      Column clock = column({in_seconds.front().label, "s"});
-      clock.is_guess = options_.dt.has_value();
-      return clock;
-    }
     if (options_.dt) return std::nullopt;
-    const std::string remedy = options_.resample ? ", which --resample needs"
-                                                 : "; give the time between two rows with --dt";
-    throw InputError(table_.name() + ":1: no column 't [s]' or 'time [s]'" +
-                     words_of_candidates(clocks) + remedy);
-  }
-
-  // Columns that may be the clock, and what would make one of them it.
-  static std::string words_of_candidates(const std::vector<Channel>& clocks) {
-    if (clocks.empty()) return "";
-    if (clocks.size() == 1) {
-      return fmt::format(" ('{}' is in [{}]: --scale {}=FACTOR makes it seconds)",
-                         clocks.front().label, clocks.front().unit, clocks.front().label);
+    std::vector<std::string> clocks, in_seconds;
+    for (const Channel& found : table_.columns()) {
+      if (!is_called_clock(found)) continue;
+      clocks.push_back(found.label);
+      if (found.unit == "s" || scale_of(found.label) != nullptr) in_seconds.push_back(found.label);
     }
-    return fmt::format(" (call that one of {} so that is the clock)", join(labels_of(clocks)));
+    if (in_seconds.size() == 1) return column({in_seconds.front(), "s"});
+    std::string candidates;
+    if (!clocks.empty()) {
+      candidates = fmt::format(" (is it {}? Call it t; --scale t=FACTOR makes it seconds)",
+                               join(clocks, " or "));
+    }
+    throw InputError(table_.name() + ":1: no column 't [s]' or 'time [s]'" + candidates +
+                     (options_.resample ? ", which --resample needs"
+                                        : "; give the time between two rows with --dt"));
   }
 
   static std::vector<std::string> taken_by(const Columns& columns) {
@@ -282,10 +219,6 @@ std::vector<RatePair> lacking_rates(const std::vector<Column>& states) {
   return pairs;
 }
 
-bool increases(const std::vector<double>& times) {
-  return std::ranges::adjacent_find(times, std::greater_equal()) == times.end();
-}
-
 RowMatrix matrix(const std::vector<double>& values, Index rows, std::size_t width) {
   return Eigen::Map<const RowMatrix>(values.data(), rows, static_cast<Index>(width));
 }
@@ -295,12 +228,8 @@ RowMatrix matrix(const std::vector<double>& values, Index rows, std::size_t widt
 CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& options) {
   NumberTable table(path, Header::with_units, options.format);
   const ColumnFinder finder(table, options);
-  Columns columns = finder.all();
-  Values values = read_values(table, columns);
-  if (columns.time && columns.time->is_guess && !increases(values.times)) {
-    columns.time.reset();
-    values.times.clear();
-  }
+  const Columns columns = finder.all();
+  const Values values = read_values(table, columns);
   CsvRows rows;
   rows.name = table.name();
   rows.states = channels_of_columns(columns.states);
@@ -311,8 +240,8 @@ CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& optio
     rows.time_place = fmt::format("column {} '{}'", *columns.time->index + 1, rows.time);
   }
   rows.times = values.times;
-  rows.state_values = matrix(values.states, values.count, columns.states.size());
-  rows.action_values = matrix(values.actions, values.count - 1, columns.actions.size());
+  rows.rollout = {rows.name, matrix(values.states, values.count, columns.states.size()),
+                  matrix(values.actions, values.count - 1, columns.actions.size())};
   rows.has_line_end = table.has_line_end();
   rows.ignored = finder.ignored_by(columns);
   return rows;

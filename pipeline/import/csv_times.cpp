@@ -17,6 +17,10 @@ constexpr double kTimeTolerance = 0.05;
 constexpr double kStepTolerance = 1e-3;
 // A straight line may stand for a few lost samples, not for more of the motion.
 constexpr double kLongestGap = 10.0;
+// Part of a step that the duration may lack for one more: rounded times.
+constexpr double kRounding = 1e-3;
+// Straight lines say nothing new, but fill the memory.
+constexpr double kMostRowsPerRow = 1000.0;
 
 std::vector<double> differences(const std::vector<double>& times) {
   std::vector<double> steps;
@@ -41,16 +45,14 @@ std::string resample_hint(const TimeSteps& steps) {
 }
 
 // A lost line is found where it is missing.
-void check_steps(const CsvRows& rows) {
+void require_steps(const CsvRows& rows, double least, double most, const std::string& advice) {
   const std::vector<double> steps = differences(rows.times);
-  const TimeSteps all = steps_of(rows.times);
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    const bool is_usual = std::abs(steps[i] - all.median) <= 2.0 * kTimeTolerance * all.median;
-    if (steps[i] > 0.0 && is_usual) continue;
+    if (steps[i] > 0.0 && steps[i] >= least && steps[i] <= most) continue;
     throw InputError(
-        fmt::format("{} is {:.6g} after the line before, elsewhere {:.6g}: times must be equally "
-                    "spaced and increase{}",
-                    place_of(rows, i + 1), steps[i], all.median, resample_hint(all)));
+        fmt::format("{} is {:.6g} after the line before, must be {:.4g} to {:.4g}: times must "
+                    "increase{}",
+                    place_of(rows, i + 1), steps[i], least, most, advice));
   }
 }
 
@@ -61,35 +63,23 @@ bool is_same_step(const CsvRows& rows, double step, double dt) {
 
 // Mean step of equally spaced times.
 double mean_step(const CsvRows& rows) {
-  check_steps(rows);
   const std::vector<double>& times = rows.times;
+  const TimeSteps steps = steps_of(times);
+  const std::string advice = ", equally spaced" + resample_hint(steps);
+  require_steps(rows, (1.0 - 2.0 * kTimeTolerance) * steps.median,
+                (1.0 + 2.0 * kTimeTolerance) * steps.median, advice);
   const double dt = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
   for (std::size_t row = 0; row < times.size(); ++row) {
     const double expected = times.front() + static_cast<double>(row) * dt;
     if (std::abs(times[row] - expected) <= kTimeTolerance * dt) continue;
-    throw InputError(
-        fmt::format("{} = {}, must be {:.6g}: times must be equally spaced and increase{}",
-                    place_of(rows, row), times[row], expected, resample_hint(steps_of(times))));
+    throw InputError(fmt::format("{} = {}, must be {:.6g}: times must increase{}",
+                                 place_of(rows, row), times[row], expected, advice));
   }
   return dt;
 }
 
-}  // namespace
-
-TimeSteps steps_of(const std::vector<double>& times) {
-  std::vector<double> steps = differences(times);
-  std::ranges::sort(steps);
-  return {steps.front(), quantile_of_sorted(steps, 0.5, Between::upper), steps.back()};
-}
-
-double share_of_gaps(const std::vector<double>& times, double dt) {
-  const double usual = std::max(steps_of(times).median, dt);
-  double gaps = 0.0;
-  for (const double step : differences(times)) gaps += step > 2.0 * usual ? step : 0.0;
-  return gaps / (times.back() - times.front());
-}
-
-double even_step(const CsvRows& rows, const std::optional<double>& given) {
+// `given`, with which the times must agree, or their mean step.
+double step_of(const CsvRows& rows, const std::optional<double>& given) {
   if (rows.times.empty()) return given.value();
   const double dt = mean_step(rows);
   if (given && !is_same_step(rows, dt, *given)) {
@@ -101,39 +91,64 @@ double even_step(const CsvRows& rows, const std::optional<double>& given) {
   return given.value_or(dt);
 }
 
-void require_step(const CsvRows& rows, const std::optional<double>& given, double dt) {
-  const double step = even_step(rows, given);
-  if (rows.times.empty() || is_same_step(rows, step, dt)) return;
-  const std::string found = fmt::format(
-      "{}: its times are {:.6g} s apart, those of the first file {:.6g} s", rows.name, step, dt);
-  const double ratio = std::max(step / dt, dt / step);
-  constexpr double tolerance = 0.05;
-  for (const double unit : {1e3, 1e6}) {
-    if (std::abs(ratio / unit - 1.0) > tolerance) continue;
-    throw InputError(
-        fmt::format("{}: one of the two is probably in another unit (ms, us); convert "
-                    "it, as --scale is for all files",
-                    found));
-  }
-  throw InputError(
-      fmt::format("{}; --resample {:.3g} makes them alike", found, std::max(step, dt)));
+// The interval between two times that holds `time`; its first row.
+Index interval_of(const std::vector<double>& times, double time) {
+  const auto after = std::ranges::upper_bound(times, time);
+  const Index row = after - times.begin() - 1;
+  return std::clamp<Index>(row, 0, static_cast<Index>(times.size()) - 2);
 }
 
-void check_times_to_resample(const CsvRows& rows, double dt) {
-  const std::vector<double> steps = differences(rows.times);
-  const double usual = std::max(steps_of(rows.times).median, dt);
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    const std::string place = place_of(rows, i + 1);
-    if (!(steps[i] > 0.0)) {
-      throw InputError(
-          fmt::format("{} is {:.6g} after the line before: times must increase", place, steps[i]));
-    }
-    if (steps[i] <= kLongestGap * usual) continue;
+Index num_steps_of(const CsvRows& rows, double dt) {
+  const double steps = (rows.times.back() - rows.times.front()) / dt;
+  const double most = kMostRowsPerRow * static_cast<double>(rows.times.size());
+  const double whole = std::floor(steps + kRounding);
+  if (whole >= 1.0 && steps <= most) return static_cast<Index>(whole);
+  throw InputError(
+      fmt::format("{}: --resample {} makes {:.3g} steps of {} rows, must make 1 to "
+                  "{:.0f}",
+                  rows.name, dt, steps, rows.times.size(), most));
+}
+
+}  // namespace
+
+TimeSteps steps_of(const std::vector<double>& times) {
+  std::vector<double> steps = differences(times);
+  std::ranges::sort(steps);
+  return {steps.front(), quantile_of_sorted(steps, 0.5, Between::upper), steps.back()};
+}
+
+double even_step(const std::vector<CsvRows>& files, const std::optional<double>& given) {
+  double dt = 0.0;
+  for (const CsvRows& rows : files) {
+    const double step = step_of(rows, given);
+    if (&rows == &files.front()) dt = step;
+    if (rows.times.empty() || is_same_step(rows, step, dt)) continue;
     throw InputError(fmt::format(
-        "{} is {:.6g} after the line before, must be at most {:.6g}, {} steps: too much "
-        "is missing to interpolate; cut the file there",
-        place, steps[i], kLongestGap * usual, kLongestGap));
+        "{}: its times are {:.6g} s apart, those of the first file {:.6g} s; --resample {:.3g} "
+        "makes them alike, unless one of the two is in another unit",
+        rows.name, step, dt, std::max(step, dt)));
   }
+  return dt;
+}
+
+Rollout resampled(const CsvRows& rows, const Rollout& rollout, double dt) {
+  const double usual = std::max(steps_of(rows.times).median, dt);
+  require_steps(rows, 0.0, kLongestGap * usual, "; cut the file where too much is missing");
+  const Index num_steps = num_steps_of(rows, dt);
+  const std::vector<double>& times = rows.times;
+  const RowMatrix &states = rollout.states, &actions = rollout.actions;
+  Rollout even{rollout.name, RowMatrix(num_steps + 1, states.cols()),
+               RowMatrix(num_steps, actions.cols())};
+  for (Index k = 0; k <= num_steps; ++k) {
+    const double time = times.front() + static_cast<double>(k) * dt;
+    const Index row = interval_of(times, time);
+    const double begin = times[static_cast<std::size_t>(row)];
+    const double length = times[static_cast<std::size_t>(row + 1)] - begin;
+    const double part = std::clamp((time - begin) / length, 0.0, 1.0);
+    even.states.row(k) = (1.0 - part) * states.row(row) + part * states.row(row + 1);
+    if (k < num_steps) even.actions.row(k) = actions.row(interval_of(times, time + 0.5 * dt));
+  }
+  return even;
 }
 
 }  // namespace npdr::pipeline

@@ -1,8 +1,11 @@
 /// Samples that a sensor got wrong, or lost: single ones far beyond all others, and leaps.
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "core/finding.h"
+#include "core/target.h"
 #include "core/types.h"
 
 namespace npdr::pipeline {
@@ -20,5 +23,18 @@ std::vector<Index> find_glitches(const Vector& values);
 /// leap: samples are missing there, or the sensor stood still. Ascending; empty for fewer than 30
 /// samples, and where all other steps are 0.
 std::vector<Index> find_lone_steps(const Vector& position);
+
+/// A warning for each rollout and channel with glitches: the first one, how many there are, and
+/// what to do. A channel's noise and errors are shares of its largest magnitude, which a glitch
+/// sets.
+Findings find_glitches(const Target& recording);
+
+/// A warning of each position that leaps (find_lone_steps()), but by whole turns, of the first
+/// rollout where it does.
+Findings find_leaps(const Target& recording);
+
+/// "theta leaps by 1.2 in the step after 0.4 s, REASON: ...", of the first of these steps.
+std::string words_of_leaps(const std::string& label, const Vector& position,
+                           const std::vector<Index>& steps, double dt, const std::string& reason);
 
 }  // namespace npdr::pipeline

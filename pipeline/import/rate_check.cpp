@@ -127,9 +127,10 @@ std::vector<Index> find_leaps(const Vector& position, const Vector& rate, double
 }
 
 RateVerdict verdict_of(const RateFit& fit) {
+  const double size = std::abs(fit.ratio);
+  const bool is_one = std::max(size, 1.0 / size) <= 1.0 + kTolerance + fit.scatter + fit.slack;
   if (fit.scatter > kLargestScatter + fit.slack) return RateVerdict::unrelated;
-  const double factor = std::max(fit.ratio, 1.0 / fit.ratio);  // negative for a negative ratio
-  const bool is_one = fit.ratio > 0.0 && factor <= 1.0 + kTolerance + fit.scatter + fit.slack;
+  if (fit.ratio < 0.0) return is_one ? RateVerdict::scaled : RateVerdict::unrelated;
   return is_one ? RateVerdict::agrees : RateVerdict::scaled;
 }
 

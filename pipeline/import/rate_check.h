@@ -25,8 +25,8 @@ struct RateFit {
 
 enum class RateVerdict {
   agrees,
-  scaled,     ///< the ratio isn't 1, but the same everywhere
-  unrelated,  ///< there is no common ratio
+  scaled,     ///< the ratio isn't 1, but the same everywhere; or -1
+  unrelated,  ///< there is no common ratio, or another negative one
 };
 
 /// Fewest samples that are judged.

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
 #include "core/text.h"
 #include "pipeline/import/angle_wraps.h"
+#include "pipeline/import/glitches.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -18,14 +20,29 @@ constexpr double kRadiansOfRpm = std::numbers::pi / 30.0;  // rad/s
 constexpr double kAlike = 0.1;                             // ratios of one cause differ by less
 constexpr std::size_t kMostFiles = 3;
 
+// A ratio that one column explains.
+struct KnownRatio {
+  const char* unit;  // of the position
+  double ratio;      // of its slope to the rate
+  double tolerance;  // a part of it
+  bool is_of_rate;
+  const char* words;
+};
+// Revolutions within less than a tenth, which is more often a mistake of the clock.
+constexpr std::array<KnownRatio, 5> kKnownRatios = {
+    {{"rad", kDegreesOfRadian, kAlike, false, "is probably in degrees"},
+     {"rad", 1.0 / kDegreesOfRadian, kAlike, true, "is probably in degrees"},
+     {"rad", kRadiansOfRpm, 0.02, true, "is probably in rpm"},
+     {"deg", kDegreesOfRadian, kAlike, true, "is probably in radians"},
+     {"deg", 1.0 / kDegreesOfRadian, kAlike, false, "is probably in radians"}}};
+constexpr KnownRatio kOpposite = {"", -1.0, kAlike, true, "probably has the wrong sign"};
+
 struct CheckedPair {
   Channel position, rate;
   std::vector<std::optional<RateFit>> fits = {};  // one a rollout
   std::vector<std::string> leaps = {};            // of each, in words; "": none
   std::optional<double> ratio = {};               // that all of them share that say anything; not 1
   Index num_spikes = 0;                           // of the rate, where the position wraps
-  std::string slope = "";   // label of another rate that is the slope; empty: none
-  bool is_swapped = false;  // the position is the slope of the rate
 };
 
 bool are_near(double a, double b) { return std::abs(a - b) < kAlike * std::abs(b); }
@@ -40,37 +57,14 @@ std::optional<double> shared_ratio(const std::vector<double>& ratios) {
   return is_shared ? std::optional(middle) : std::nullopt;
 }
 
-// Without jumps by whole turns, which are told elsewhere.
-Vector unwrapped_position(const Target& target, const RatePair& pair, const Rollout& rollout) {
-  Vector position = rollout.states.col(pair.position);
-  const std::string& unit = target.state_channels[static_cast<std::size_t>(pair.position)].unit;
-  const AngleJumps jumps = find_jumps(position, unit);
-  if (!jumps.rows.empty()) unwrap(position, jumps.period);
-  return position;
-}
-
-std::optional<RateFit> fit_of(const Target& target, const RatePair& pair, const Rollout& rollout) {
-  return fit_rate(unwrapped_position(target, pair, rollout), rollout.states.col(pair.rate),
-                  target.dt);
-}
-
-// `position`: without jumps by whole turns.
-std::string words_of_leaps(const Target& target, const RatePair& pair, const Rollout& rollout,
-                           const Vector& position) {
-  const Vector rate = rollout.states.col(pair.rate);
-  const std::vector<Index> leaps = find_leaps(position, rate, target.dt);
+std::string first_leap(const CheckedPair& pair, const Vector& position, const Vector& rate,
+                       double dt) {
+  const std::vector<Index> leaps = find_leaps(position, rate, dt);
   if (leaps.empty()) return "";
-  const auto label = [&](Index c) {
-    return target.state_channels[static_cast<std::size_t>(c)].label;
-  };
   const Index t = leaps.front();
-  return fmt::format(
-      "{} moves by {:.3g} in the step after {:.6g} s{}, {} says by {:.3g}: it wraps there, or "
-      "samples are missing, stood still or stand for none; correct these rows, or cut the rollout "
-      "there",
-      label(pair.position), position(t + 1) - position(t), static_cast<double>(t) * target.dt,
-      leaps.size() > 1 ? fmt::format(" (and {} times more)", leaps.size() - 1) : "",
-      label(pair.rate), 0.5 * target.dt * (rate(t) + rate(t + 1)));
+  return words_of_leaps(
+      pair.position.label, position, leaps, dt,
+      fmt::format("{} says by {:.3g}", pair.rate.label, 0.5 * dt * (rate(t) + rate(t + 1))));
 }
 
 CheckedPair checked(const Target& target, const RatePair& pair) {
@@ -79,11 +73,13 @@ CheckedPair checked(const Target& target, const RatePair& pair) {
   std::vector<double> ratios;
   bool are_all_scaled = true;
   for (const Rollout& rollout : target.rollouts) {
-    const Vector position = unwrapped_position(target, pair, rollout);
-    result.fits.push_back(fit_rate(position, rollout.states.col(pair.rate), target.dt));
-    result.leaps.push_back(words_of_leaps(target, pair, rollout, position));
-    result.num_spikes +=
-        count_spikes(rollout.states.col(pair.rate), target.dt, result.position.unit);
+    Vector position = rollout.states.col(pair.position);
+    const Vector rate = rollout.states.col(pair.rate);
+    const AngleJumps jumps = find_jumps(position, result.position.unit);  // told elsewhere
+    if (!jumps.rows.empty()) unwrap(position, jumps.period);
+    result.fits.push_back(fit_rate(position, rate, target.dt));
+    result.leaps.push_back(first_leap(result, position, rate, target.dt));
+    result.num_spikes += count_spikes(rate, target.dt, result.position.unit);
     if (!result.fits.back()) continue;
     ratios.push_back(result.fits.back()->ratio);
     are_all_scaled &= verdict_of(*result.fits.back()) == RateVerdict::scaled;
@@ -92,45 +88,17 @@ CheckedPair checked(const Target& target, const RatePair& pair) {
   return result;
 }
 
-bool agrees(const std::optional<RateFit>& fit) {
-  return !fit || verdict_of(*fit) == RateVerdict::agrees;
-}
-
-bool is_slope_everywhere(const Target& target, const RatePair& pair) {
-  return std::ranges::all_of(target.rollouts, [&](const Rollout& rollout) {
-    const auto fit = fit_of(target, pair, rollout);
-    return fit && agrees(fit);
-  });
-}
-
-// Another pair's rate that agrees with this position in every rollout, where its own doesn't.
-std::string other_slope(const Target& target, const std::vector<RatePair>& pairs,
-                        const CheckedPair& checked, Index position) {
-  if (std::ranges::all_of(checked.fits, agrees)) return "";
-  for (const RatePair& other : pairs) {
-    if (other.position == position) continue;
-    if (!is_slope_everywhere(target, {position, other.rate})) continue;
-    return target.state_channels[static_cast<std::size_t>(other.rate)].label;
-  }
-  return "";
-}
-
 bool is_known(const CheckedPair& pair) {
   return std::ranges::any_of(pair.fits, [](const auto& fit) { return fit.has_value(); });
 }
 
-bool is_of_degrees(double ratio, const std::string& unit) {
-  return turn_in(unit) &&
-         (are_near(ratio, kDegreesOfRadian) || are_near(ratio, 1.0 / kDegreesOfRadian));
-}
-
-// Nearer than a tenth, which is more often a mistake of the clock.
-bool is_of_rpm(double ratio, const std::string& unit) {
-  return unit == "rad" && std::abs(ratio / kRadiansOfRpm - 1.0) < 0.02;
-}
-
-bool is_of_unit(double ratio, const std::string& unit) {
-  return is_of_degrees(ratio, unit) || is_of_rpm(ratio, unit);
+// Null: nothing known explains it.
+const KnownRatio* known_ratio(double ratio, const std::string& unit) {
+  if (ratio < 0.0) return &kOpposite;
+  const auto known = std::ranges::find_if(kKnownRatios, [&](const KnownRatio& k) {
+    return unit == k.unit && std::abs(ratio / k.ratio - 1.0) < k.tolerance;
+  });
+  return known == kKnownRatios.end() ? nullptr : &*known;
 }
 
 // The factor of dt that would put all rates right; none when they don't agree about one.
@@ -138,21 +106,10 @@ std::optional<double> factor_of_dt(const std::vector<CheckedPair>& pairs) {
   std::vector<double> ratios;
   for (const CheckedPair& pair : pairs) {
     if (!is_known(pair)) continue;
-    if (!pair.ratio || *pair.ratio < 0.0 || !pair.slope.empty() || pair.is_swapped ||
-        is_of_unit(*pair.ratio, pair.position.unit)) {
-      return std::nullopt;
-    }
+    if (!pair.ratio || known_ratio(*pair.ratio, pair.position.unit) != nullptr) return std::nullopt;
     ratios.push_back(*pair.ratio);
   }
   return shared_ratio(ratios);
-}
-
-// Differences of recorded positions are a little short of their rate: 995 is 1000, of milli-units.
-double rounded_factor(double factor) {
-  const double power = std::pow(10.0, std::round(std::log10(std::abs(factor))));
-  constexpr double tolerance = 0.01;  // the standard gravity of 9.81 isn't 10
-  const bool is_power = power != 1.0 && std::abs(std::abs(factor) / power - 1.0) < tolerance;
-  return is_power ? std::copysign(power, factor) : factor;
 }
 
 // "57.3", "995", "1000" where three digits would be 1e+03, and 1e+06 from there on.
@@ -161,12 +118,11 @@ std::string factor_text(double factor) {
   return is_whole ? fmt::format("{:.0f}", factor) : fmt::format("{:.3g}", factor);
 }
 
-std::string known_scale_option(const Channel& channel, double factor) {
-  return fmt::format("--scale {}={:.6g}", channel.label, factor);
-}
-
-std::string scale_option(const Channel& channel, double measured) {
-  return fmt::format("--scale {}={}", channel.label, factor_text(rounded_factor(measured)));
+// Differences of recorded positions are a little short of their rate: 995 is 1000, of milli-units.
+std::string rounded_factor(double factor) {
+  const double power = std::pow(10.0, std::round(std::log10(factor)));
+  constexpr double tolerance = 0.01;  // the standard gravity of 9.81 isn't 10
+  return factor_text(std::abs(factor / power - 1.0) < tolerance ? power : factor);
 }
 
 // "theta changes 57.3 times as fast as theta_dot says".
@@ -175,16 +131,12 @@ std::string mismatch(const CheckedPair& pair, double ratio) {
                      factor_text(ratio), pair.rate.label);
 }
 
-std::string remedy_of_dt(double dt, double measured, const std::string& time) {
-  const double factor = rounded_factor(measured);
-  const std::string found =
-      fmt::format("dt is probably {:.6g} * {} = {:.3g} s", dt, factor_text(factor), dt * factor);
-  if (time.empty()) return fmt::format("{}: give --dt {:.3g}", found, dt * factor);
-  return fmt::format("{}: correct column '{}', or add --scale {}={}", found, time, time,
-                     factor_text(factor));
+std::string scale_options(const CheckedPair& pair, double ratio) {
+  return fmt::format("add --scale {}={} or --scale {}={}", pair.position.label,
+                     rounded_factor(1.0 / ratio), pair.rate.label, rounded_factor(ratio));
 }
 
-std::string dt_problem(const std::vector<CheckedPair>& pairs, double dt, double factor,
+std::string dt_problem(const std::vector<CheckedPair>& pairs, double dt, double measured,
                        const std::string& time) {
   std::vector<std::string> mismatches;
   const CheckedPair* only = nullptr;
@@ -193,54 +145,34 @@ std::string dt_problem(const std::vector<CheckedPair>& pairs, double dt, double 
     mismatches.push_back(mismatch(pair, *pair.ratio));
     only = &pair;
   }
-  std::string text = join(mismatches) + ": " + remedy_of_dt(dt, factor, time);
+  const std::string factor = rounded_factor(measured);
+  const double right = dt * std::stod(factor);
+  const std::string remedy =
+      time.empty() ? fmt::format("give --dt {:.3g}", right)
+                   : fmt::format("correct column '{}', or add --scale {}={}", time, time, factor);
+  std::string text = fmt::format("{}: dt is probably {:.6g} * {} = {:.3g} s: {}", join(mismatches),
+                                 dt, factor, right, remedy);
   if (mismatches.size() > 1) return text;
-  return text + "; or one of both columns is in another unit: add " +
-         scale_option(only->position, 1.0 / factor) + " or " + scale_option(only->rate, factor);
-}
-
-// One column in degrees, the other in radians: the one that contradicts its unit.
-std::string degrees_problem(const CheckedPair& pair, double ratio) {
-  const bool is_position = (ratio > 1.0) == (pair.position.unit == "rad");
-  const Channel& wrong = is_position ? pair.position : pair.rate;
-  const bool is_degrees = pair.position.unit == "rad";
-  return fmt::format(
-      "{}: {} is probably in {}, though its unit says [{}]: add {}, or convert the column",
-      mismatch(pair, ratio), wrong.label, is_degrees ? "degrees" : "radians", wrong.unit,
-      known_scale_option(wrong, is_degrees ? 1.0 / kDegreesOfRadian : kDegreesOfRadian));
-}
-
-std::string rpm_problem(const CheckedPair& pair, double ratio) {
-  return fmt::format(
-      "{}: {} is probably in rpm, though its unit says [{}]: add {}, or convert the column",
-      mismatch(pair, ratio), pair.rate.label, pair.rate.unit,
-      known_scale_option(pair.rate, kRadiansOfRpm));
+  return text + "; or one of both columns is in another unit: " + scale_options(*only, measured);
 }
 
 std::string scale_problem(const CheckedPair& pair, double ratio) {
-  if (is_of_degrees(ratio, pair.position.unit)) return degrees_problem(pair, ratio);
-  if (is_of_rpm(ratio, pair.position.unit)) return rpm_problem(pair, ratio);
-  if (are_near(ratio, -1.0)) {
-    return fmt::format("{} falls where {} says that it rises: one of both has the wrong sign: {}",
-                       pair.position.label, pair.rate.label, "add " + scale_option(pair.rate, -1));
+  const KnownRatio* known = known_ratio(ratio, pair.position.unit);
+  if (known == nullptr) {
+    return fmt::format("{}: one of both isn't what its header says; if it is in another unit, {}",
+                       mismatch(pair, ratio), scale_options(pair, ratio));
   }
-  if (ratio < 0.0) {
-    return fmt::format(
-        "{}, which no unit explains: are the two columns swapped, or is one another quantity's? "
-        "Correct the header",
-        mismatch(pair, ratio));
-  }
-  return fmt::format(
-      "{}: one of both isn't what its header says; if it is in another unit, add {} or {}",
-      mismatch(pair, ratio), scale_option(pair.position, 1.0 / ratio),
-      scale_option(pair.rate, ratio));
+  const Channel& wrong = known->is_of_rate ? pair.rate : pair.position;
+  return fmt::format("{}: {} [{}] {}: add --scale {}={:.6g}, or convert the column",
+                     mismatch(pair, ratio), wrong.label, wrong.unit, known->words, wrong.label,
+                     known->is_of_rate ? known->ratio : 1.0 / known->ratio);
 }
 
 std::string problem_of_fit(const CheckedPair& pair, const RateFit& fit) {
   if (verdict_of(fit) == RateVerdict::unrelated) {
     return fmt::format(
-        "{} isn't the slope of {}: it has no fixed ratio to it; is it another quantity's? Rename "
-        "its column and add --differentiate",
+        "{} isn't the slope of {}: are columns swapped, or is it another quantity's? Correct the "
+        "header, or rename its column and add --differentiate",
         pair.rate.label, pair.position.label);
   }
   return mismatch(pair, fit.ratio) + ", unlike in other files: correct this one";
@@ -253,30 +185,21 @@ std::string spikes_problem(const CheckedPair& pair) {
       pair.rate.label, counted(pair.num_spikes, "row"), pair.position.label, pair.position.label);
 }
 
-Findings problems_of(const CheckedPair& pair, const std::vector<std::string>& files) {
+Findings problems_of(const CheckedPair& pair, const Target& target) {
   Findings found;
-  const auto tell = [&](std::string text) { found.push_back(warning(std::move(text))); };
-  if (pair.num_spikes > 0) tell(spikes_problem(pair));
-  if (pair.is_swapped) {
-    tell(fmt::format("{} is the slope of {}: the two columns are swapped; correct the header",
-                     pair.position.label, pair.rate.label));
-    return found;
-  }
-  if (!pair.slope.empty()) {
-    tell(fmt::format("{} isn't the slope of {}, but {} is: are columns swapped? Correct the header",
-                     pair.rate.label, pair.position.label, pair.slope));
-    return found;
-  }
+  if (pair.num_spikes > 0) found.push_back(warning(spikes_problem(pair)));
   if (pair.ratio) {
-    tell(scale_problem(pair, *pair.ratio));
+    found.push_back(warning(scale_problem(pair, *pair.ratio)));
     return found;
   }
   std::size_t count = 0;
-  for (std::size_t h = 0; h < files.size(); ++h) {
-    const bool is_slope = agrees(pair.fits[h]);
+  for (std::size_t h = 0; h < pair.fits.size(); ++h) {
+    const std::optional<RateFit>& fit = pair.fits[h];
+    const bool is_slope = !fit || verdict_of(*fit) == RateVerdict::agrees;
     if (is_slope && pair.leaps[h].empty()) continue;
     if (++count > kMostFiles) continue;
-    tell(files[h] + ": " + (is_slope ? pair.leaps[h] : problem_of_fit(pair, *pair.fits[h])));
+    found.push_back(warning(target.rollouts[h].name + ": " +
+                            (is_slope ? pair.leaps[h] : problem_of_fit(pair, *fit))));
   }
   if (count > kMostFiles) {
     found.back().what += fmt::format(" ({} more files are like it)", count - kMostFiles);
@@ -310,19 +233,15 @@ std::string words_of_check(const CheckedPair& pair) {
 }  // namespace
 
 Findings find_in_rates(const Target& target, const std::vector<RatePair>& pairs,
-                       const std::vector<std::string>& files, const std::string& time) {
+                       const std::string& time) {
   std::vector<CheckedPair> all;
-  for (const RatePair& pair : pairs) {
-    all.push_back(checked(target, pair));
-    all.back().slope = other_slope(target, pairs, all.back(), pair.position);
-    all.back().is_swapped = !std::ranges::all_of(all.back().fits, agrees) &&
-                            is_slope_everywhere(target, {pair.rate, pair.position});
-  }
+  for (const RatePair& pair : pairs) all.push_back(checked(target, pair));
   if (const std::optional<double> factor = factor_of_dt(all)) {
     return {warning(dt_problem(all, target.dt, *factor, time))};
   }
   Findings found;
-  for (const CheckedPair& pair : all) append(found, problems_of(pair, files));
+  for (const CheckedPair& pair : all) append(found, problems_of(pair, target));
+  if (!found.empty()) return found;
   for (const CheckedPair& pair : all) found.push_back(note(words_of_check(pair)));
   return found;
 }

@@ -11,14 +11,14 @@
 
 namespace npdr::pipeline {
 
-/// What speaks against rates, and notes of what was checked, and what couldn't be. The options that
-/// messages name are those of `npdr import`.
+/// What speaks against rates or, where nothing does, notes of what was checked, and what couldn't
+/// be. The options that messages name are those of `npdr import`.
 ///
 /// Compares the rates of all `pairs` with the slopes of their positions in every rollout; whole
-/// turns that an angle jumps by are left out first. `files`: a name for each rollout. `time`: the
-/// label of the column of times, empty where dt was given. A ratio that all pairs share says that
-/// dt is wrong, one near 57.3 that a column is in degrees.
+/// turns that an angle jumps by are left out first. `time`: the label of the column of times, empty
+/// where dt was given. A ratio that all pairs share says that dt is wrong, one near 57.3 that a
+/// column is in degrees.
 Findings find_in_rates(const Target& target, const std::vector<RatePair>& pairs,
-                       const std::vector<std::string>& files, const std::string& time);
+                       const std::string& time);
 
 }  // namespace npdr::pipeline

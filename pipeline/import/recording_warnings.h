@@ -9,11 +9,10 @@
 
 namespace npdr::pipeline {
 
-/// One of each angle that jumps by whole turns (angle_wraps.h), each other position that
-/// leaps (glitches.h), each rate that isn't the slope of its position
-/// (rate_report.h), unless it was computed as one (savitzky_golay.h), and each rollout that is a
-/// copy of another.
-Findings warnings_of(const Target& recording);
+/// One of each angle that jumps by whole turns (angle_wraps.h), each other position that leaps
+/// (glitches.h), each rate that isn't the slope of its position (rate_report.h), unless it was
+/// computed as one (savitzky_golay.h), and each rollout that is a copy of another.
+Findings warnings_of(Target recording);
 
 /// Pairs of rollouts (i, j), i < j, that hold the same numbers: of each j the first i.
 std::vector<std::pair<std::size_t, std::size_t>> copies_of(const Target& recording);

@@ -10,23 +10,18 @@
 namespace npdr::pipeline {
 namespace {
 
-void require_equal_lengths(const Target& target, const std::vector<std::string>& files) {
-  for (std::size_t h = 0; h < files.size(); ++h) {
-    const Index num_steps = target.rollouts[h].num_steps();
-    if (num_steps == target.num_steps()) continue;
-    throw InputError(fmt::format(
-        "{}: has {} rows {:.6g} s apart, the first file has {}; to cut them to one length, add "
-        "--length shortest or --length STEPS",
-        files[h], num_steps + 1, target.dt, target.num_steps() + 1));
-  }
+Index shortest_of(const Target& target) {
+  return std::ranges::min(target.rollouts, {}, &Rollout::num_steps).num_steps();
 }
 
-Index shortest_of(const Target& target) {
-  Index shortest = target.num_steps();
+void require_equal_lengths(const Target& target) {
   for (const Rollout& rollout : target.rollouts) {
-    shortest = std::min(shortest, rollout.num_steps());
+    if (rollout.num_steps() == target.num_steps()) continue;
+    throw InputError(fmt::format(
+        "rollout {} has {} of {:.6g} s, the first one has {}; to cut them to one length, add "
+        "--length shortest or --length STEPS",
+        rollout.name, counted(rollout.num_steps(), "step"), target.dt, target.num_steps()));
   }
-  return shortest;
 }
 
 Rollout piece(const Rollout& rollout, Index number, Index num_steps) {
@@ -38,21 +33,19 @@ Rollout piece(const Rollout& rollout, Index number, Index num_steps) {
 
 }  // namespace
 
-Findings cut_rollouts(Target& target, const std::optional<Index>& length,
-                      const std::vector<std::string>& files) {
+Findings cut_rollouts(Target& target, const std::optional<Index>& length) {
   if (!length) {
-    require_equal_lengths(target, files);
+    require_equal_lengths(target);
     return {};
   }
   const Index num_steps = *length == 0 ? shortest_of(target) : *length;
   std::vector<std::string> origins;
   std::vector<Rollout> pieces;
-  for (std::size_t h = 0; h < files.size(); ++h) {
-    const Rollout& rollout = target.rollouts[h];
+  for (const Rollout& rollout : target.rollouts) {
     const Index count = rollout.num_steps() / num_steps;
     if (count == 0) {
-      throw InputError(fmt::format("--length {}: {} has {}, must have at least as many", num_steps,
-                                   files[h], counted(rollout.num_steps(), "step")));
+      throw InputError(fmt::format("--length {}: rollout {} has {}, must have at least as many",
+                                   num_steps, rollout.name, counted(rollout.num_steps(), "step")));
     }
     for (Index k = 0; k < count; ++k) pieces.push_back(piece(rollout, k, num_steps));
     if (count == 1) pieces.back().name = rollout.name;

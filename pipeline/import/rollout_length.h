@@ -2,8 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "core/finding.h"
 #include "core/target.h"
@@ -13,9 +11,8 @@ namespace npdr::pipeline {
 /// Cuts all rollouts into pieces of `length` steps, 0: those of the shortest; none: checks that
 /// they are equally long. A piece begins at the state that was recorded there, and is a rollout
 /// with the name "rollout.piece", where there are several. Returns what came of it, in a sentence.
-/// `files`: a name for each rollout, for errors. Throws InputError for a rollout with fewer steps,
-/// and for lengths that differ, with the option that helps.
-Findings cut_rollouts(Target& target, const std::optional<Index>& length,
-                      const std::vector<std::string>& files);
+/// Throws InputError for a rollout with fewer steps, and for lengths that differ, with the option
+/// that helps.
+Findings cut_rollouts(Target& target, const std::optional<Index>& length);
 
 }  // namespace npdr::pipeline

@@ -1,32 +1,17 @@
 #include "pipeline/plan/completeness.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 
 #include "core/error.h"
 #include "core/stop_request.h"
+#include "core/text.h"
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/process/batch_job.h"
 
 namespace npdr::pipeline {
-
-bool is_complete(const Plan& plan, const Node& node) {
-  if (node.stage == Stage::report) return report_is_current(plan, node);
-  const std::filesystem::file_status there = std::filesystem::status(node.path);
-  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
-    const char* const kind =
-        std::filesystem::is_directory(there) ? "a folder" : "a device, pipe or socket";
-    throw InputError(node.path.string() + ": is " + kind + ", must be a file; move it away");
-  }
-  return std::filesystem::exists(there);
-}
-
-bool has_inputs(const Plan& plan, const Node& node) {
-  return std::ranges::all_of(node.needs,
-                             [&](std::size_t need) { return is_complete(plan, plan.nodes[need]); });
-}
-
 namespace {
 
 // A helper that settles at the same time takes files away that are about to be removed, which ends
@@ -38,19 +23,6 @@ void remove_with_others(const std::filesystem::path& folder) {
     std::filesystem::remove_all(folder, ignored);
   }
 }
-
-}  // namespace
-
-void settle(const Plan& plan, const Node& node) {
-  link_uses(plan, node);
-  std::error_code ignored;
-  std::filesystem::remove(plan.work.checkpoint(name_of(node.stage), node.key), ignored);
-  if (is_refinement(plan, node)) {
-    remove_with_others(plan.work.asked_rows(node.key));
-  }
-}
-
-namespace {
 
 // On a network file system a machine may not see for a while what another one has just made, and
 // a batch job begins at that very moment. Looking through the folder asks the server.
@@ -69,6 +41,66 @@ bool appears(const Plan& plan, const Node& input) {
 }
 
 }  // namespace
+
+bool is_complete(const Plan& plan, const Node& node) {
+  if (node.stage == Stage::report) return report_is_current(plan, node);
+  const std::filesystem::file_status there = std::filesystem::status(node.path);
+  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
+    const char* const kind =
+        std::filesystem::is_directory(there) ? "a folder" : "a device, pipe or socket";
+    throw InputError(node.path.string() + ": is " + kind + ", must be a file; move it away");
+  }
+  return std::filesystem::exists(there);
+}
+
+bool has_inputs(const Plan& plan, const Node& node) {
+  return std::ranges::all_of(node.needs,
+                             [&](std::size_t need) { return is_complete(plan, plan.nodes[need]); });
+}
+
+std::vector<UsedNode> last_nodes(const Plan& plan, Stage stage,
+                                 const std::vector<std::string>& methods) {
+  std::vector<UsedNode> found;
+  for (const Node& node : plan.nodes) {
+    if (node.stage != stage) continue;
+    for (const Use& use : node.uses) {
+      const MethodConfig& method = plan.study.method(use.method);
+      const Index iteration = use.iteration > 0 ? plan.study.num_iterations_of(method) : 0;
+      const bool is_last =
+          use.round == method.algorithm.num_rounds && use.iteration == iteration && use.fold == 0;
+      const bool is_wanted = methods.empty() || std::ranges::count(methods, use.method) > 0;
+      if (is_last && is_wanted) found.push_back({&node, use});
+    }
+  }
+  return found;
+}
+
+std::vector<UsedNode> last_nodes_of_method(const Plan& plan, Stage stage,
+                                           const std::vector<std::string>& methods) {
+  std::vector<UsedNode> found = last_nodes(plan, stage, methods);
+  std::vector<std::string> names;
+  for (const auto& [node, use] : found) {
+    if (std::ranges::count(names, use.method) == 0) names.push_back(use.method);
+  }
+  if (names.size() != 1) {
+    throw InputError(
+        fmt::format("{}: {} methods have posteriors ({}), must be one: choose it by "
+                    "--method",
+                    plan.study.name, names.size(), join(names)));
+  }
+  for (const auto& [node, use] : found) {
+    if (is_complete(plan, *node)) continue;
+    throw InputError(node->label() + ": isn't there yet; run it first: " + plan.command());
+  }
+  return found;
+}
+
+void settle(const Plan& plan, const Node& node) {
+  link_uses(plan, node);
+  std::error_code ignored;
+  std::filesystem::remove(plan.work.checkpoint(name_of(node.stage), node.key), ignored);
+  if (is_refinement(plan, node)) remove_with_others(plan.work.asked_rows(node.key));
+}
 
 void require_input(const Plan& plan, const Node& node, const Node& input) {
   if (is_complete(plan, input) || appears(plan, input)) return;

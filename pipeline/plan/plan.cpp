@@ -3,10 +3,23 @@
 #include <algorithm>
 
 #include "core/error.h"
+#include "core/shell_text.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/plan_builder.h"
 
 namespace npdr::pipeline {
+namespace {
+
+Target pick_by_fold(const Study& study, const Target& seen, Index fold, bool is_of_fold) {
+  std::vector<Index> positions;
+  for (Index h = 0; h < seen.num_rollouts(); ++h) {
+    const bool is_left_out = fold > 0 && h % study.evaluate.leave_out == fold - 1;
+    if (is_left_out == is_of_fold) positions.push_back(h);
+  }
+  return seen.pick(positions);
+}
+
+}  // namespace
 
 std::uint64_t Use::stream_round() const {
   const Index earlier = std::max<Index>(0, iteration - 1);
@@ -25,14 +38,17 @@ std::string Node::label() const {
   return text;
 }
 
+std::string Plan::command() const { return words.empty() ? "" : "npdr run " + shell_text(words); }
+
 const Node& Plan::node(Stage stage, const Use& use) const {
   for (const Node& candidate : nodes) {
     if (candidate.stage != stage) continue;
     if (std::ranges::find(candidate.uses, use) != candidate.uses.end()) return candidate;
   }
-  throw InputError("this study has no artefact '" + name_of(stage) + "' for " + use.method +
-                   ", seed " + std::to_string(use.seed) + ", iteration " +
-                   std::to_string(use.iteration) + ", round " + std::to_string(use.round));
+  Node wanted;
+  wanted.stage = stage;
+  wanted.uses = {use};
+  throw InputError("this study has no artefact '" + wanted.label() + "'");
 }
 
 const Node& Plan::node_by_key(const std::string& key) const {
@@ -110,19 +126,6 @@ void link_uses(const Plan& plan, const Node& node) {
   for (const Use& use : node.uses) make_link(node.path, link_of(plan, node, use));
 }
 
-namespace {
-
-Target pick_by_fold(const Study& study, const Target& seen, Index fold, bool is_of_fold) {
-  std::vector<Index> positions;
-  for (Index h = 0; h < seen.num_rollouts(); ++h) {
-    const bool is_left_out = fold > 0 && h % study.evaluate.leave_out == fold - 1;
-    if (is_left_out == is_of_fold) positions.push_back(h);
-  }
-  return seen.pick(positions);
-}
-
-}  // namespace
-
 Target without_fold(const Study& study, const Target& seen, Index fold) {
   return pick_by_fold(study, seen, fold, false);
 }
@@ -138,8 +141,7 @@ bool is_calibration(const Node& node) {
 
 bool is_refinement(const Plan& plan, const Node& node) {
   if (node.stage != Stage::infer) return false;
-  const MethodConfig& method = plan.study.method(node.uses.front().method);
-  return inference::traits_of(method.algorithm.kind).family ==
+  return family_of(plan.study.method(node.uses.front().method)) ==
          inference::AlgorithmFamily::likelihood;
 }
 

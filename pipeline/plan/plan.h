@@ -72,9 +72,11 @@ struct Plan {
   Target target;
   /// Those of the recording, whether or not the simulator is given them.
   std::vector<Channel> recorded_actions;
-  std::string command;  ///< that makes all of it, for people
+  std::vector<std::string> words;  ///< that name the study to a program: file, --set, ...
   std::vector<Node> nodes;
 
+  /// The command that makes all of it, for people; empty without words.
+  std::string command() const;
   /// The node of a stage for one use. Throws InputError when there is none.
   const Node& node(Stage stage, const Use& use) const;
   /// The node whose key begins with `key`. Throws InputError when there is none or more than one.

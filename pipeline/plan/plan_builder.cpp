@@ -35,56 +35,65 @@ void note(std::vector<std::size_t>& nodes, std::size_t added) {
   if (std::ranges::find(nodes, added) == nodes.end()) nodes.push_back(added);
 }
 
+// Adds inputs "name_1", "name_2", ..., without those before `first`.
+void add_numbered(std::string_view name, const std::vector<std::size_t>& nodes,
+                  std::vector<Input>& inputs, std::size_t first = 0) {
+  for (std::size_t i = first; i < nodes.size(); ++i) {
+    inputs.push_back({numbered(name, static_cast<Index>(i) + 1), nodes[i]});
+  }
+}
+
+std::optional<std::size_t> last_of(const std::vector<std::size_t>& nodes) {
+  return nodes.empty() ? std::nullopt : std::optional(nodes.back());
+}
+
 template <class T>
 bool is_among(const std::vector<T>& selected, const T& value) {
   return selected.empty() || std::ranges::find(selected, value) != selected.end();
+}
+
+void check_selection(const Study& study, const Selection& selection) {
+  for (const std::string& name : selection.methods) study.method(name);
+  for (const std::uint64_t seed : selection.seeds) {
+    if (is_among(study.seeds, seed)) continue;
+    throw InputError(
+        fmt::format("seed {} is not among study.seeds = [{}]", seed, fmt::join(study.seeds, ", ")));
+  }
+}
+
+// Before anything is built: what inferences depend on grows with the square of their rounds.
+void check_size(const Study& study, const Selection& selection) {
+  Index of_a_seed = 0;
+  for (const MethodConfig& method : study.methods) {
+    if (!is_among(selection.methods, method.name)) continue;
+    const Index repeats = study.num_iterations_of(method) + study.evaluate.leave_out;
+    of_a_seed += method.algorithm.num_rounds * repeats;
+  }
+  const auto num_seeds = std::ssize(selection.seeds.empty() ? study.seeds : selection.seeds);
+  if (of_a_seed * num_seeds <= kMostInferences) return;
+  throw InputError(fmt::format(
+      "{}: its seeds, methods, iterations, rounds and folds ask for {} inferences, must be at most "
+      "{}; lower method.num_rounds, or divide study.seeds among several studies",
+      study.name, of_a_seed * num_seeds, kMostInferences));
+}
+
+// Describes how predictions are scored.
+void describe_scoring(const Study& study, Json& json) {
+  if (!study.source().gives_motion) return;
+  json["store_every"] = study.simulator.store_every;
+  json["observation_noise"] = key_json(study.observation_noise);
 }
 
 }  // namespace
 
 PlanBuilder::PlanBuilder(Study study, const WorkFolder& work, const Selection& selection)
     : plan_{std::move(study), nullptr, work, {}, {}, {}, {}}, selection_(selection) {
-  check_selection(selection);
-  check_size();
+  check_selection(plan_.study, selection);
+  check_size(plan_.study, selection);
   if (auto x_o = resolve_source(plan_.study)) plan_.target = std::move(*x_o);
   plan_.source = make_source(plan_.study);
   keys_ = plan_.source->keys();
   study_json_ = study_document(plan_.study);
-}
-
-void PlanBuilder::check_selection(const Selection& selection) const {
-  for (const std::string& name : selection.methods) plan_.study.method(name);
-  for (const std::uint64_t seed : selection.seeds) {
-    const auto& known = plan_.study.seeds;
-    if (std::find(known.begin(), known.end(), seed) == known.end()) {
-      throw InputError(
-          fmt::format("seed {} is not among study.seeds = [{}]", seed, fmt::join(known, ", ")));
-    }
-  }
-}
-
-bool PlanBuilder::is_selected(std::uint64_t seed) const { return is_among(selection_.seeds, seed); }
-
-bool PlanBuilder::is_selected(const MethodConfig& method) const {
-  return is_among(selection_.methods, method.name);
-}
-
-// Before anything is built: what inferences depend on grows with the square of their rounds.
-void PlanBuilder::check_size() const {
-  const Study& study = plan_.study;
-  Index of_a_seed = 0;
-  for (const MethodConfig& method : study.methods) {
-    if (!is_selected(method)) continue;
-    const Index repeats = study.num_iterations_of(method) + study.evaluate.leave_out;
-    of_a_seed += method.algorithm.num_rounds * repeats;
-  }
-  const Index num_seeds =
-      std::ranges::count_if(study.seeds, [&](std::uint64_t seed) { return is_selected(seed); });
-  if (of_a_seed * num_seeds <= kMostInferences) return;
-  throw InputError(fmt::format(
-      "{}: its seeds, methods, iterations, rounds and folds ask for {} inferences, must be at most "
-      "{}; lower method.num_rounds, or divide study.seeds among several studies",
-      study.name, of_a_seed * num_seeds, kMostInferences));
 }
 
 Plan PlanBuilder::build() {
@@ -94,16 +103,15 @@ Plan PlanBuilder::build() {
     folds_.push_back(add_fold(fold));
   }
   if (plan_.study.source().predicts_features()) scale_ = add_scale();
-  Results results;
   for (const std::uint64_t seed : plan_.study.seeds) {
-    if (!is_selected(seed)) continue;
+    if (!is_among(selection_.seeds, seed)) continue;
     for (const MethodConfig& method : plan_.study.methods) {
-      if (!is_selected(method)) continue;
-      add_experiment(method, seed, target, results);
-      if (infers(method)) add_folds(method, seed, results);
+      if (!is_among(selection_.methods, method.name)) continue;
+      add_experiment(method, seed, target);
+      if (infers(method)) add_folds(method, seed);
     }
   }
-  add_report(target, add_baseline(target), results);
+  add_report(target, add_baseline(target));
   return std::move(plan_);
 }
 
@@ -134,21 +142,15 @@ std::size_t PlanBuilder::add_baseline(std::size_t target) {
   Json json = key_document(kBaselineSchema);
   const Inputs inputs = add_judgment(target, held_out_, json);
   if (plan_.study.source().simulates) json["num_samples"] = plan_.study.evaluate.num_samples;
-  add_scoring(json);
+  describe_scoring(plan_.study, json);
   json["prior"] = to_json(plan_.study.prior);
   if (plan_.study.target.recording) json["floor"] = plan_.study.evaluate.floor;
   if (plan_.num_floor_evaluations() > 0) json["floor_evaluations"] = plan_.num_floor_evaluations();
   return add(Stage::baseline, json, {}, inputs);
 }
 
-void PlanBuilder::add_scoring(Json& json) const {
-  if (!plan_.study.source().gives_motion) return;
-  json["store_every"] = plan_.study.simulator.store_every;
-  json["observation_noise"] = key_json(plan_.study.observation_noise);
-}
-
-void PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target,
-                                 Results& results) {
+void PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
+                                 std::size_t target) {
   const Index num_iterations = plan_.study.num_iterations_of(method);
   std::size_t seen = target;
   std::optional<std::size_t> policy;
@@ -157,31 +159,28 @@ void PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
     if (i > 1) seen = add_collection(method, use, seen, *policy);
     const Rounds rounds = infers(method) ? add_rounds(method, use, seen) : Rounds{};
     if (i == num_iterations && infers(method)) {
-      add_judgments(method, use, seen, target, rounds, results);
+      add_judgments(method, use, seen, target, rounds);
     }
     if (!plan_.study.policy.is_used()) continue;
-    const auto posterior = rounds.posteriors.empty()
-                               ? std::nullopt
-                               : std::optional<std::size_t>(rounds.posteriors.back());
-    policy = add_policy(method, {method.name, seed, 0, i}, posterior, policy);
-    note(results.policies, *policy);
+    policy = add_policy(method, {method.name, seed, 0, i}, last_of(rounds.posteriors), policy);
+    note(results_.policies, *policy);
   }
   if (!policy) return;
   for (const Index i : {Index{0}, num_iterations}) {
     const auto tested = i == 0 ? std::nullopt : policy;
     const auto test = add_policy_test({method.name, seed, 0, i}, tested);
-    if (test) note(results.policy_tests, *test);
+    if (test) note(results_.policy_tests, *test);
   }
 }
 
-void PlanBuilder::add_folds(const MethodConfig& method, std::uint64_t seed, Results& results) {
+void PlanBuilder::add_folds(const MethodConfig& method, std::uint64_t seed) {
   Use use{.method = method.name, .seed = seed};
   for (const Fold& fold : folds_) {
     ++use.fold;
     use.round = 0;
     const Rounds rounds = add_rounds(method, use, fold.target);
     use.round = method.algorithm.num_rounds;
-    note(results.evaluations,
+    note(results_.evaluations,
          add_evaluation(use, fold.target, fold.left_out, rounds.posteriors.back()));
   }
 }
@@ -195,11 +194,8 @@ PlanBuilder::Rounds PlanBuilder::add_rounds(const MethodConfig& method, Use use,
     return rounds;
   }
   for (use.round = 1; use.round <= method.algorithm.num_rounds; ++use.round) {
-    const auto previous = rounds.posteriors.empty()
-                              ? std::nullopt
-                              : std::optional<std::size_t>(rounds.posteriors.back());
     if (learns(method)) {
-      const std::size_t proposal = add_proposal(method, use, previous);
+      const std::size_t proposal = add_proposal(method, use, last_of(rounds.posteriors));
       rounds.simulations.push_back(add_simulation(method, use, target, proposal));
     }
     rounds.posteriors.push_back(
@@ -211,16 +207,16 @@ PlanBuilder::Rounds PlanBuilder::add_rounds(const MethodConfig& method, Use use,
 // Evaluations measure by the rollouts that all methods have seen first, which makes them
 // comparable; diagnoses ask about the observation that the posteriors are of.
 void PlanBuilder::add_judgments(const MethodConfig& method, Use use, std::size_t target,
-                                std::size_t first_target, const Rounds& rounds, Results& results) {
+                                std::size_t first_target, const Rounds& rounds) {
   const bool all_rounds = plan_.study.evaluate.rounds == EvaluatedRounds::all;
   const Index last = method.algorithm.num_rounds;
   for (use.round = all_rounds ? 1 : last; use.round <= last; ++use.round) {
     const std::size_t posterior = rounds.posteriors[static_cast<std::size_t>(use.round - 1)];
-    note(results.evaluations, add_evaluation(use, first_target, held_out_, posterior));
+    note(results_.evaluations, add_evaluation(use, first_target, held_out_, posterior));
   }
   if (plan_.study.diagnose_of(method).of_diagnosis().checks.empty()) return;
   use.round = 0;
-  note(results.diagnoses, add_diagnosis(method, use, target, rounds));
+  note(results_.diagnoses, add_diagnosis(method, use, target, rounds));
 }
 
 std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use,
@@ -272,13 +268,9 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   if (algorithm.grows_in_last_round) json["is_last"] = use.round == method.algorithm.num_rounds;
   Inputs inputs = {{"target", target}};
   // A population has all that matters of the rounds before it.
-  for (std::size_t r = is_abc ? simulations.size() - 1 : 0; r < simulations.size(); ++r) {
-    inputs.push_back({numbered("simulation", static_cast<Index>(r) + 1), simulations[r]});
-  }
-  const std::size_t first = is_abc && !posteriors.empty() ? posteriors.size() - 1 : 0;
-  for (std::size_t r = first; r < posteriors.size(); ++r) {
-    inputs.push_back({numbered("posterior", static_cast<Index>(r) + 1), posteriors[r]});
-  }
+  add_numbered("simulation", simulations, inputs, is_abc ? simulations.size() - 1 : 0);
+  add_numbered("posterior", posteriors, inputs,
+               is_abc && !posteriors.empty() ? posteriors.size() - 1 : 0);
   return add(Stage::infer, json, use, inputs);
 }
 
@@ -309,7 +301,7 @@ std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target,
   Inputs inputs = add_judgment(target, held_out, json);
   inputs.push_back({"posterior", posterior});
   json["num_samples"] = plan_.study.evaluate.num_samples;
-  add_scoring(json);
+  describe_scoring(plan_.study, json);
   if (plan_.study.target.truth) json["truth"] = *plan_.study.target.truth;
   json["seed"] = use.seed;
   return add(Stage::evaluate, json, use, inputs);
@@ -335,26 +327,19 @@ std::size_t PlanBuilder::add_diagnosis(const MethodConfig& method, const Use& us
     inputs.push_back({"calibration", add_simulation(method, use, target, proposal)});
   }
   if (diagnose.has(Check::ood) || diagnose.has(Check::failures)) {
-    for (std::size_t r = 0; r < rounds.simulations.size(); ++r) {
-      inputs.push_back({numbered("simulation", static_cast<Index>(r) + 1), rounds.simulations[r]});
-    }
+    add_numbered("simulation", rounds.simulations, inputs);
   }
   return add(Stage::diagnose, json, use, inputs);
 }
 
-void PlanBuilder::add_report(std::size_t target, std::size_t baseline, const Results& results) {
+void PlanBuilder::add_report(std::size_t target, std::size_t baseline) {
   Json json = key_document(kReportSchema);
   json["study"] = without_folders(study_json_);
   Inputs inputs = {{"baseline", baseline}};
-  const auto add_numbered = [&](const char* name, const std::vector<std::size_t>& nodes) {
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      inputs.push_back({numbered(name, static_cast<Index>(i) + 1), nodes[i]});
-    }
-  };
-  add_numbered("evaluation", results.evaluations);
-  add_numbered("diagnosis", results.diagnoses);
-  add_numbered("policy", results.policies);
-  add_numbered("policy_test", results.policy_tests);
+  add_numbered("evaluation", results_.evaluations, inputs);
+  add_numbered("diagnosis", results_.diagnoses, inputs);
+  add_numbered("policy", results_.policies, inputs);
+  add_numbered("policy_test", results_.policy_tests, inputs);
   const std::size_t report = add(Stage::report, json, {}, inputs);
   // It shows of the targets and posteriors, too, which may be gone while evaluations are there.
   std::vector<std::size_t>& needs = plan_.nodes[report].needs;
@@ -364,7 +349,7 @@ void PlanBuilder::add_report(std::size_t target, std::size_t baseline, const Res
     note(needs, fold.target);
     note(needs, fold.left_out);
   }
-  for (const std::size_t evaluation : results.evaluations) {
+  for (const std::size_t evaluation : results_.evaluations) {
     for (const std::size_t need : plan_.nodes[evaluation].needs) note(needs, need);
   }
 }

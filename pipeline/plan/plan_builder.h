@@ -15,8 +15,6 @@ class PlanBuilder {
  private:
   using Inputs = std::vector<Input>;
 
-  void check_selection(const Selection& selection) const;
-  void check_size() const;
   std::size_t add_target();
   /// A target without a fold, and the rollouts that it leaves out.
   struct Fold {
@@ -37,18 +35,15 @@ class PlanBuilder {
     std::vector<std::size_t> simulations;
     std::vector<std::size_t> posteriors;
   };
-  bool is_selected(std::uint64_t seed) const;
-  bool is_selected(const MethodConfig& method) const;
   /// All iterations of one method and seed.
-  void add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target,
-                      Results& results);
+  void add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target);
   /// The method and seed again, without each fold of the rollouts.
-  void add_folds(const MethodConfig& method, std::uint64_t seed, Results& results);
+  void add_folds(const MethodConfig& method, std::uint64_t seed);
   /// All rounds of one iteration.
   Rounds add_rounds(const MethodConfig& method, Use use, std::size_t target);
   /// Adds evaluations and checks of the posteriors of the last iteration.
   void add_judgments(const MethodConfig& method, Use use, std::size_t target,
-                     std::size_t first_target, const Rounds& rounds, Results& results);
+                     std::size_t first_target, const Rounds& rounds);
   /// The rollouts of `earlier`, and those that `policy` collects.
   std::size_t add_collection(const MethodConfig& method, const Use& use, std::size_t earlier,
                              std::size_t policy);
@@ -67,8 +62,6 @@ class PlanBuilder {
   /// The posterior under the noise's likelihood, from that of another method or the prior.
   std::size_t add_refinement(const MethodConfig& method, const Use& use, std::size_t target);
   std::optional<std::size_t> add_held_out();
-  /// Adds how predictions are scored to `json`.
-  void add_scoring(nlohmann::ordered_json& json) const;
   /// The simulations of the prior that features are compared in units of.
   std::size_t add_scale();
   /// Notes down in `json` what a judgment depends on, and returns its inputs.
@@ -78,13 +71,14 @@ class PlanBuilder {
                              std::optional<std::size_t> held_out, std::size_t posterior);
   std::size_t add_diagnosis(const MethodConfig& method, const Use& use, std::size_t target,
                             const Rounds& rounds);
-  void add_report(std::size_t target, std::size_t baseline, const Results& results);
+  void add_report(std::size_t target, std::size_t baseline);
 
   /// Adds a node, or another use to the node that has the same key.
   std::size_t add(Stage stage, nlohmann::ordered_json document, const Use& use,
                   const Inputs& inputs);
 
   Plan plan_;
+  Results results_;
   std::optional<std::size_t> held_out_;
   std::vector<Fold> folds_;
   std::optional<std::size_t> scale_;

@@ -6,7 +6,6 @@
 #include "analysis/predictive_scores.h"
 #include "core/parallel.h"
 #include "inference/weighted_population.h"
-#include "pipeline/predictions/power_weights.h"
 #include "pipeline/predictions/prediction.h"
 
 namespace npdr::pipeline {
@@ -97,6 +96,45 @@ struct FactorScores {
 };
 
 }  // namespace
+
+Vector weights_at_power(const Vector& weights, const Vector& log_likelihood, double power) {
+  return inference::truncated(weights.array().log() + power * log_likelihood.array());
+}
+
+void add_power(PowerScores& scores, double power, const LeftOutScore& score) {
+  const Index k = scores.power.size();
+  const Index at = std::ranges::lower_bound(scores.power, power) - scores.power.begin();
+  PowerScores more{Vector(k + 1), Vector(k + 1), RowMatrix(k + 1, score.crps.size())};
+  for (Index i = 0; i < k; ++i) {
+    const Index to = i < at ? i : i + 1;
+    more.power(to) = scores.power(i);
+    more.noise_factor(to) = scores.noise_factor(i);
+    more.crps.row(to) = scores.crps.row(i);
+  }
+  more.power(at) = power;
+  more.noise_factor(at) = score.noise_factor;
+  more.crps.row(at) = score.crps.transpose();
+  scores = std::move(more);
+}
+
+double best_power(const PowerScores& scores) {
+  const Vector means = scores.crps.rowwise().mean();
+  const double bound = scores.as_good_as_any();
+  return scores.power(std::ranges::find_if(means, [&](double m) { return m <= bound; }) -
+                      means.begin());
+}
+
+bool are_enough(const PowerScores& scores, double most) {
+  constexpr double farther = 2.0, rise = 1.2;
+  constexpr Index more_powers = 3, patience = 10;  // levels
+  const Index k = scores.power.size();
+  if (k == 0) return false;
+  const double highest = scores.power(k - 1);
+  const bool is_stuck = k > patience && highest < rise * scores.power(k - 1 - patience);
+  const bool is_far =
+      highest >= farther * scores.power(scores.least()) && k - 1 - scores.least() >= more_powers;
+  return is_stuck || is_far || highest >= most;
+}
 
 LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector<float>& recorded,
                             const sim::Trajectories& rows, const Vector& weights, double power,

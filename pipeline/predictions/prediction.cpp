@@ -1,6 +1,8 @@
 #include "pipeline/predictions/prediction.h"
 
 #include "inference/abc/feature_distance.h"
+#include "pipeline/features/simulation_features.h"
+#include "pipeline/features/targets.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -19,11 +21,12 @@ Predictor::Predictor(const Plan& plan, Target target, const std::filesystem::pat
 }
 
 sim::Trajectories Predictor::simulate(const RowMatrix& complete, const StreamId& first) const {
-  return simulator_->simulate(complete, first);
+  return simulator_ ? simulator_->simulate(complete, first) : sim::Trajectories();
 }
 
 std::map<std::string, Vector> Predictor::measure(const sim::Trajectories& trajectories) const {
   std::map<std::string, Vector> values;
+  if (!simulator_) return values;
   if (!plan_.study.source().gives_motion) {
     const VectorF x_o = target().rollouts.front().states.row(1).transpose().cast<float>();
     values[name_of(Metric::distance)] =
@@ -62,6 +65,42 @@ analysis::MetricsConfig Predictor::metrics_config() const {
   analysis::MetricsConfig config;
   config.segment_length = plan_.study.simulator.segment_length;
   return config;
+}
+
+Judge::Judge(const Plan& plan, const Node& node)
+    : seen_(plan, read_target(plan, node), log_of(node.path)) {
+  if (plan.study.source().predicts_features()) {
+    const Node& of_prior = plan.input(node, "prior_predictive");
+    seen_.set_scale_of_features(scale_of_features(of_prior, plan.study.tails()));
+  }
+  if (std::optional<Target> held_out = read_held_out(plan, node)) {
+    const std::filesystem::path log = log_of(node.path);
+    held_out_.emplace(plan, std::move(*held_out),
+                      log.parent_path() / (log.stem().string() + "-held-out.log"));
+  }
+}
+
+PredictedRollouts Judge::simulate(const RowMatrix& complete, const StreamId& first) const {
+  PredictedRollouts predicted{seen_.simulate(complete, first), {}};
+  if (held_out_) {
+    predicted.held_out = held_out_->simulate(complete, within(first, "held_out_simulation"));
+  }
+  return predicted;
+}
+
+std::map<std::string, Vector> Judge::measure(const PredictedRollouts& predicted) const {
+  std::map<std::string, Vector> values = seen_.measure(predicted.seen);
+  if (!held_out_) return values;
+  for (const auto& [metric, column] : held_out_->measure(predicted.held_out)) {
+    values[std::string(kHeldOutPrefix) + metric] = column;
+  }
+  return values;
+}
+
+std::map<std::string, double> Judge::measure_one(const PredictedRollouts& predicted) const {
+  std::map<std::string, double> values;
+  for (const auto& [metric, column] : measure(predicted)) values[metric] = column(0);
+  return values;
 }
 
 analysis::TrajectoryView view_of(const sim::Trajectories& t) {

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "analysis/metrics.h"
@@ -29,8 +30,8 @@ class Predictor {
   /// needed for rollouts.
   void set_scale_of_features(inference::FeatureTransform scale) { scale_ = std::move(scale); }
 
-  /// Rollouts, or features, of complete parameters (n, P); `first`: see RowSimulator. Not for a
-  /// source that simulates nothing.
+  /// Rollouts, or features, of complete parameters (n, P); none of a source that simulates nothing.
+  /// `first`: see RowSimulator.
   sim::Trajectories simulate(const RowMatrix& complete, const StreamId& first = {}) const;
 
   /// The study's metrics of what was simulated by name, (n) each; NaN where a row failed.
@@ -46,6 +47,36 @@ class Predictor {
   Observation observation_;
   std::unique_ptr<RowSimulator> simulator_;  // none: nothing can be simulated
   inference::FeatureTransform scale_;
+};
+
+/// What parameters predict; empty where there is nothing to predict, or nothing simulates.
+struct PredictedRollouts {
+  sim::Trajectories seen;  ///< by inference
+  sim::Trajectories held_out;
+};
+
+/// Measures parameters by the study's metrics, on the rollouts that inference saw and on those that
+/// were held out.
+class Judge {
+ public:
+  /// Reads what `node` needs of the target domain.
+  Judge(const Plan& plan, const Node& node);
+
+  /// Predicts the rollouts that inference saw.
+  const Predictor& seen() const { return seen_; }
+  /// Predicts those that were held out; nullptr: there are none.
+  const Predictor* held_out() const { return held_out_ ? &*held_out_ : nullptr; }
+
+  /// Both, of complete parameters (n, P). `first`: see RowSimulator.
+  PredictedRollouts simulate(const RowMatrix& complete, const StreamId& first) const;
+  /// Metrics by the names of measured_names(), (n) each; none where nothing was simulated.
+  std::map<std::string, Vector> measure(const PredictedRollouts& predicted) const;
+  /// The same of a single row.
+  std::map<std::string, double> measure_one(const PredictedRollouts& predicted) const;
+
+ private:
+  Predictor seen_;
+  std::optional<Predictor> held_out_;
 };
 
 analysis::TrajectoryView view_of(const sim::Trajectories& trajectories);

@@ -4,13 +4,13 @@
 #include <optional>
 
 #include "analysis/predictive_scores.h"
+#include "core/constants.h"
 #include "core/parallel.h"
 #include "inference/weighted_population.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/predictions/power_weights.h"
-#include "pipeline/predictions/prediction.h"
+#include "pipeline/predictions/left_out.h"
 #include "sim/noise_likelihood.h"
 
 namespace npdr::pipeline {
@@ -125,6 +125,18 @@ PredictionScores score_part(const Observation& observation, const sim::Trajector
   return scores;
 }
 
+RowMatrix values_of(double sim::NoiseValues::*parameter, const NoiseOfSamples& noise,
+                    const sim::Trajectories& seen) {
+  RowMatrix values(std::ssize(noise), seen.num_states);
+  for (Index i = 0; i < values.rows(); ++i) {
+    for (Index c = 0; c < values.cols(); ++c) {
+      const sim::NoiseValues& its = noise[static_cast<std::size_t>(i)][static_cast<std::size_t>(c)];
+      values(i, c) = is_ok(seen, i) ? its.*parameter : kNaN;
+    }
+  }
+  return values;
+}
+
 }  // namespace
 
 NoiseSource noise_source(const Plan& plan, const Node& posterior) {
@@ -136,19 +148,14 @@ NoiseSource noise_source(const Plan& plan, const Node& posterior) {
           plan.study.method(posterior.uses.front().method).refine.infer_first_states};
 }
 
-NoiseOfSamples draw_noise(const Observation& observation, const sim::Trajectories& all_states,
+NoiseOfSamples draw_noise(const Observation& observation, const sim::Trajectories& simulated,
                           const NoiseSource& source, const StreamId& id) {
-  const Study& study = observation.study();
-  if (study.observation_noise.is_silent()) return {};
-  return draw_noise_of_stored(
-      observation,
-      stored(all_states, observation.target().num_rollouts(), study.simulator.store_every), source,
-      id);
-}
-
-NoiseOfSamples draw_noise_of_stored(const Observation& observation, const sim::Trajectories& rows,
-                                    const NoiseSource& source, const StreamId& id) {
   if (observation.study().observation_noise.is_silent()) return {};
+  const Target& target = observation.target();
+  const Index store_every = observation.study().simulator.store_every;
+  const bool is_stored = simulated.num_steps == target.num_steps() / store_every;
+  const sim::Trajectories rows =
+      stored(simulated, target.num_rollouts(), is_stored ? 1 : store_every);
   const sim::NoiseModel& given = observation.noise();
   const sim::NoiseModel model = source.infers_first_states ? given.with_unknown_scales() : given;
   NoiseOfSamples noise(static_cast<std::size_t>(rows.num_rows));
@@ -182,12 +189,25 @@ NoiseOfSamples draw_prior_noise(const Observation& observation, Index num_sample
   return noise;
 }
 
-RolloutScores score(const Judge& judge, const sim::Trajectories& seen,
-                    const sim::Trajectories& held_out, const NoiseOfSamples& noise,
-                    const StreamId& id) {
-  RolloutScores scores{score_part(judge.seen().observation(), seen, noise, id), {}};
+std::optional<InferredNoise> inferred_noise(const sim::NoiseModel& model,
+                                            const NoiseOfSamples& noise,
+                                            const sim::Trajectories& seen) {
+  if (noise.empty() || !model.has_unknown()) return std::nullopt;
+  InferredNoise inferred{values_of(&sim::NoiseValues::scale, noise, seen), {}, {}};
+  if (std::ranges::any_of(model.channels(), &sim::ChannelNoise::is_correlated)) {
+    inferred.correlation = values_of(&sim::NoiseValues::correlation, noise, seen);
+  }
+  if (std::ranges::any_of(model.channels(), &sim::ChannelNoise::is_heavy_tailed)) {
+    inferred.degrees_of_freedom = values_of(&sim::NoiseValues::degrees_of_freedom, noise, seen);
+  }
+  return inferred;
+}
+
+RolloutScores score(const Judge& judge, const PredictedRollouts& predicted,
+                    const NoiseOfSamples& noise, const StreamId& id) {
+  RolloutScores scores{score_part(judge.seen().observation(), predicted.seen, noise, id), {}};
   if (judge.held_out() == nullptr) return scores;
-  scores.held_out = score_part(judge.held_out()->observation(), held_out, noise,
+  scores.held_out = score_part(judge.held_out()->observation(), predicted.held_out, noise,
                                within(id, "held_out_simulation"));
   return scores;
 }

@@ -1,11 +1,12 @@
 /// Scores of posterior predictions (analysis/predictive_scores.h), of the stored states.
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "pipeline/artefacts/prediction_scores.h"
+#include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/plan/plan.h"
-#include "pipeline/predictions/judge.h"
+#include "pipeline/predictions/prediction.h"
 #include "sim/noise_model.h"
 #include "sim/trajectories.h"
 
@@ -27,25 +28,27 @@ struct NoiseSource {
 /// Of the posterior of a node. Throws InputError.
 NoiseSource noise_source(const Plan& plan, const Node& posterior);
 
-/// `observation`: the rollouts that the posterior has seen; `all_states`: the samples' rollouts,
-/// every state, which begin with those. At a power below 1 a value is drawn given the rollouts of
-/// another sample, in proportion to the rest of the likelihood: how far off samples are because
-/// they are many isn't noise. Empty without noise.
-NoiseOfSamples draw_noise(const Observation& observation, const sim::Trajectories& all_states,
+/// `observation`: the rollouts that the posterior has seen; `simulated`: the samples' rollouts,
+/// which begin with those, every state of them or the stored ones. At a power below 1 a value is
+/// drawn given the rollouts of another sample, in proportion to the rest of the likelihood: how far
+/// off samples are because they are many isn't noise. Empty without noise.
+NoiseOfSamples draw_noise(const Observation& observation, const sim::Trajectories& simulated,
                           const NoiseSource& source, const StreamId& id);
-
-/// The same of `rows`: the stored states of those rollouts.
-NoiseOfSamples draw_noise_of_stored(const Observation& observation, const sim::Trajectories& rows,
-                                    const NoiseSource& source, const StreamId& id);
 
 /// The same of `num_samples` draws of the noise's own prior, which no recording informs.
 NoiseOfSamples draw_prior_noise(const Observation& observation, Index num_samples,
                                 const StreamId& id);
 
+/// What the recording says of the noise, as evaluations keep it. `noise`: that of the samples'
+/// predictions, `seen`: their rollouts. NaN of samples that failed, whose values are the prior's.
+/// None where all parameters of the noise are given.
+std::optional<InferredNoise> inferred_noise(const sim::NoiseModel& model,
+                                            const NoiseOfSamples& noise,
+                                            const sim::Trajectories& seen);
+
 /// Scores of the samples' rollouts, every state, as predictions of those that `judge` knows: with
 /// noise, of which there may be none, and without. Not for features.
-RolloutScores score(const Judge& judge, const sim::Trajectories& seen,
-                    const sim::Trajectories& held_out, const NoiseOfSamples& noise,
-                    const StreamId& id);
+RolloutScores score(const Judge& judge, const PredictedRollouts& predicted,
+                    const NoiseOfSamples& noise, const StreamId& id);
 
 }  // namespace npdr::pipeline

@@ -1,4 +1,5 @@
-/// The batch job that a process is a part of.
+/// The batch job that a process is a part of, and how its task learns whether what it ran has
+/// brought anything to the disk.
 #pragma once
 
 #include <string>
@@ -11,5 +12,12 @@ std::string batch_job_id();
 
 /// The same of Slurm alone.
 std::string slurm_task_id();
+
+/// The variable that names the mark's file to the programs of a task.
+inline constexpr const char* kTaskMark = "NPDR_TASK_MARK";
+
+/// Makes the mark, if this process is a part of a task: an artefact, shard or checkpoint is there
+/// now. Never throws.
+void mark_progress() noexcept;
 
 }  // namespace npdr::pipeline

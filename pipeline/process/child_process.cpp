@@ -18,7 +18,7 @@
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/file_error.h"
-#include "pipeline/process/task_mark.h"
+#include "pipeline/process/batch_job.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -9,12 +9,10 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <optional>
 
 #include "core/error.h"
 #include "core/shell_call.h"
 #include "core/stop_request.h"
-#include "core/text.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -23,25 +21,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kLongestHeader = 1 << 20;
 constexpr int kPollMilliseconds = 100;  // between two looks at requests to stop
-constexpr double kLastSeconds = 1.0;    // for a program to end that has closed its output
-
-// write() to a program that has ended, without the signal that would end this one.
-ssize_t write_quietly(int descriptor, std::span<const char> bytes) {
-  sigset_t pipe, before;
-  sigemptyset(&pipe);
-  sigaddset(&pipe, SIGPIPE);
-  pthread_sigmask(SIG_BLOCK, &pipe, &before);
-  const ssize_t count = write(descriptor, bytes.data(), bytes.size());
-  const int error = errno;
-  if (count < 0 && error == EPIPE) {
-    const timespec now = {};
-    while (sigtimedwait(&pipe, nullptr, &now) < 0 && errno == EINTR) {
-    }
-  }
-  pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  errno = error;
-  return count;
-}
 
 // One request, and what has come of its reply.
 class Exchange {
@@ -50,24 +29,37 @@ class Exchange {
            const std::function<std::size_t(const std::string&)>& body_size, std::vector<char>& body)
       : shell_(shell), unsent_(request), body_size_(body_size), body_(body) {}
 
-  bool is_complete() const { return has_reply() && unsent_.empty(); }
-  bool has_failed() const { return !reply_.problem.empty(); }
-  bool is_closed() const { return is_closed_; }
-  bool has_begun() const { return has_header_; }
-  WorkerReply& reply() { return reply_; }
-
   // What is there before a request is sent is no reply to it.
   void require_silence() {
     pollfd output{shell_.output_stream(), POLLIN, 0};
     if (poll(&output, 1, 0) <= 0 || (output.revents & POLLIN) == 0) return;
-    std::array<char, 4096> chunk;
-    const ssize_t count = read(shell_.output_stream(), chunk.data(), chunk.size());
-    if (count <= 0) return;
-    const std::string found(chunk.begin(), std::find(chunk.begin(), chunk.begin() + count, '\n'));
-    reject("it wrote " + quoted(shortened(found)) +
-           " before it was asked; each request has one reply, and what is for people belongs on "
-           "standard error");
+    reject(
+        "it wrote something before it was asked; each request has one reply, and what is for "
+        "people belongs on standard error");
   }
+
+  WorkerReply run(double time_limit) {
+    const auto start = Clock::now();
+    while (!is_complete() && !has_failed()) {
+      stop_here_if_requested();
+      const bool is_quiet = !go_on();
+      reply_.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+      if (is_complete()) break;
+      if (reply_.seconds >= time_limit) {
+        reply_.timed_out = true;
+        reply_.problem = fmt::format("no reply within its time limit of {:.3g} s", time_limit);
+      } else if ((is_closed_ || is_quiet) && shell_.has_ended()) {
+        take_end(time_limit);  // its children may hold the pipe open
+      }
+    }
+    shell_.read_output();
+    return std::move(reply_);
+  }
+
+ private:
+  bool has_reply() const { return has_header_ && num_read_ == body_.size(); }
+  bool is_complete() const { return has_reply() && unsent_.empty(); }
+  bool has_failed() const { return !reply_.problem.empty(); }
 
   // Waits until something can be done, and does it. False when nothing could for a while.
   bool go_on() {
@@ -82,11 +74,16 @@ class Exchange {
     return !is_quiet;
   }
 
- private:
-  bool has_reply() const { return has_header_ && num_read_ == body_.size(); }
+  void take_end(double time_limit) {
+    reply_.has_ended = true;
+    reply_.exit_status = shell_.exit_status();
+    const CallResult result{shell_.exit_status(), false, reply_.seconds, ""};
+    reply_.problem = (has_header_ ? "ended in its reply: " : "ended in place of a reply: ") +
+                     result.words(time_limit);
+  }
 
   void send() {
-    const ssize_t count = write_quietly(shell_.input_stream(), unsent_);
+    const ssize_t count = write(shell_.input_stream(), unsent_.data(), unsent_.size());
     if (count >= 0) unsent_ = unsent_.subspan(static_cast<std::size_t>(count));
     if (count < 0 && errno == EPIPE) unsent_ = {};  // it won't read any more
   }
@@ -151,40 +148,16 @@ class Exchange {
 }  // namespace
 
 WorkerProcess::WorkerProcess(const ShellCommand& command)
-    : shell_(command, ShellProcess::Streams::stdin_and_stdout) {}
+    : shell_(command, ShellProcess::Streams::stdin_and_stdout) {
+  std::signal(SIGPIPE, SIG_IGN);  // that a program reads no more is an error of write()
+}
 
 WorkerReply WorkerProcess::exchange(std::span<const char> request, double time_limit,
                                     const std::function<std::size_t(const std::string&)>& body_size,
                                     std::vector<char>& body) {
-  const auto start = Clock::now();
-  const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
   Exchange exchange(shell_, request, body_size, body);
-  WorkerReply& reply = exchange.reply();
   if (num_requests_++ > 0) exchange.require_silence();
-  std::optional<double> closed;
-  while (!exchange.is_complete() && !exchange.has_failed()) {
-    stop_here_if_requested();
-    const bool goes_on = exchange.go_on();
-    if (exchange.is_complete()) break;
-    if (exchange.is_closed() && !closed) closed = seconds();
-    if (seconds() >= time_limit) {
-      reply.timed_out = true;
-      reply.problem = fmt::format("no reply within its time limit of {:.3g} s", time_limit);
-    } else if ((exchange.is_closed() || !goes_on) && shell_.has_ended()) {
-      // Its children may hold the pipe open.
-      reply.has_ended = true;
-      reply.exit_status = shell_.exit_status();
-      const CallResult result{shell_.exit_status(), false, seconds(), ""};
-      reply.problem =
-          (exchange.has_begun() ? "ended in its reply: " : "ended in place of a reply: ") +
-          result.words(time_limit);
-    } else if (closed && seconds() >= *closed + kLastSeconds) {
-      reply.problem = "its standard output isn't a reply: it was closed";
-    }
-  }
-  shell_.read_output();
-  reply.seconds = seconds();
-  return std::move(reply);
+  return exchange.run(time_limit);
 }
 
 }  // namespace npdr::pipeline

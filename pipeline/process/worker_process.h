@@ -15,8 +15,8 @@ namespace npdr::pipeline {
 /// How a request went. `problem` is empty when all of a reply came in time.
 struct WorkerReply {
   std::string header;  ///< first line, without its end
-  std::string
-      problem;  ///< "ended in its reply: exit status 1", "no reply within its time limit of 2 s"
+  /// "ended in its reply: exit status 1", "no reply within its time limit of 2 s".
+  std::string problem;
   bool timed_out = false;
   bool has_ended = false;  ///< the program has
   int exit_status = 0;     ///< its own, where it has ended
@@ -25,7 +25,8 @@ struct WorkerReply {
 
 class WorkerProcess {
  public:
-  /// Starts the program. Throws Error when no process can be started.
+  /// Starts the program, and lets this process ignore SIGPIPE. Throws Error when no process can be
+  /// started.
   explicit WorkerProcess(const ShellCommand& command);
 
   /// Writes a request and reads a reply: a line, and as many bytes as `body_size` says for it, into

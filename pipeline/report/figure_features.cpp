@@ -95,8 +95,8 @@ std::optional<ReportedFigure> feature_figure(const ReportData& data) {
   return {{figure_of(plot),
            fmt::format("Features, {}, the greatest surprise first: median, 50 % (thick) and 90 % "
                        "interval of the posterior predictive distribution, all seeds, relative to "
-                       "the observation, in standard deviations of it.{}",
-                       which, left_out_methods(data.methods))}};
+                       "the observation, in standard deviations of it.",
+                       which)}};
 }
 
 }  // namespace npdr::pipeline

@@ -16,12 +16,6 @@ std::vector<std::string> drawn_methods(std::vector<std::string> methods) {
   return methods;
 }
 
-std::vector<std::string> drawn_methods_with(const ReportData& data, Check check) {
-  std::vector<std::string> methods = drawn_methods(data.methods);
-  std::erase_if(methods, [&](const auto& method) { return !data.checks_of(method).has(check); });
-  return methods;
-}
-
 std::string left_out_methods(const std::vector<std::string>& methods) {
   const std::size_t drawn = drawn_methods(methods).size();
   if (drawn == methods.size()) return "";
@@ -47,26 +41,6 @@ std::string left_out_parameters(const Study& study) {
   return fmt::format(" {} of {} parameters.", shown, study.prior.size());
 }
 
-std::vector<analysis::MarkedPoint> marked_points(const ReportData& data) {
-  using analysis::LegendMark, analysis::LineStyle;
-  std::vector<analysis::MarkedPoint> points;
-  const auto mark = [&](const std::string& name, LegendMark shape, const char* color,
-                        LineStyle line) {
-    const auto found = std::ranges::find(data.baseline.points, name, &BaselinePoint::name);
-    if (found != data.baseline.points.end()) {
-      points.push_back({name, found->theta, shape, color, line});
-    }
-  };
-  mark("nominal", LegendMark::triangle, analysis::kNominalColor, LineStyle::dashed);
-  mark("truth", LegendMark::diamond, analysis::kTruthColor, LineStyle::solid);
-  const auto& references = data.plan.study.references;
-  for (std::size_t i = 0; i < std::min(references.size(), analysis::kMaxReferences); ++i) {
-    mark(references[i].name, LegendMark::square, analysis::kReferenceColors[i],
-         LineStyle::dash_dotted);
-  }
-  return points;
-}
-
 RowMatrix interval_quantiles(const RowMatrix& samples) {
   RowMatrix quantiles(samples.cols(), std::ssize(analysis::kIntervalLevels));
   for (Index d = 0; d < samples.cols(); ++d) {
@@ -77,10 +51,6 @@ RowMatrix interval_quantiles(const RowMatrix& samples) {
     }
   }
   return quantiles;
-}
-
-const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method) {
-  return data.diagnoses_of(method).front()->result;
 }
 
 }  // namespace npdr::pipeline

@@ -5,16 +5,13 @@
 #include <vector>
 
 #include "analysis/figure.h"
-#include "pipeline/config/check.h"
 #include "pipeline/findings/data.h"
 
 namespace npdr::pipeline {
 
 /// The methods that figures draw: the first, as many as there are colors.
 std::vector<std::string> drawn_methods(std::vector<std::string> methods);
-/// Keeps of these the ones to which a check means something.
-std::vector<std::string> drawn_methods_with(const ReportData& data, Check check);
-/// A sentence to end a caption with: " The first 6 of 7 methods."; "": all are drawn.
+/// A sentence that ends captions: " The first 6 of 7 methods."; "": all are drawn.
 std::string left_out_methods(const std::vector<std::string>& methods);
 
 /// Positions in the prior of the parameters that figures show: those that the study picks, or the
@@ -23,14 +20,8 @@ std::vector<Index> shown_parameters(const Study& study);
 /// As left_out_methods(): " 2 of 16 parameters."
 std::string left_out_parameters(const Study& study);
 
-/// Nominal, truth and the first references.
-std::vector<analysis::MarkedPoint> marked_points(const ReportData& data);
-
 /// Quantiles of each column of samples (n, D) at analysis::kIntervalLevels, (D, 5); samples that
 /// aren't finite are left out. NaN where none is left.
 RowMatrix interval_quantiles(const RowMatrix& samples);
-
-/// The first seed's checks of a method.
-const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method);
 
 }  // namespace npdr::pipeline

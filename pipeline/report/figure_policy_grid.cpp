@@ -52,9 +52,8 @@ std::optional<ReportedFigure> figure_of_maps(const ReportData& data, analysis::H
   }
   return {{figure_of(plot),
            fmt::format("{} over domain parameters, mean over initial states and experiments "
-                       "(seeds). Diamond: {}, which gives all other parameters.{}",
-                       value, data.plan.study.target.truth ? "the target domain" : "nominal",
-                       left_out_methods(methods))}};
+                       "(seeds). Diamond: {}, which gives all other parameters.",
+                       value, data.plan.study.target.truth ? "the target domain" : "nominal")}};
 }
 
 }  // namespace

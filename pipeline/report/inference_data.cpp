@@ -7,17 +7,39 @@
 #include "core/atomic_file.h"
 #include "core/constants.h"
 #include "inference/particle_posterior.h"
+#include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/posterior_file.h"
-#include "pipeline/predictions/judge.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/predictions/prediction.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/utc_time.h"
-#include "pipeline/report/inference_chains.h"
 #include "pipeline/store/netcdf.h"
 
 namespace npdr::pipeline {
 namespace {
 
 using Names = std::vector<std::string>;
+
+// The last evaluations of a method, a chain a seed.
+struct Chains {
+  std::string method;
+  std::vector<Index> seeds;
+  std::vector<const Node*> nodes;
+  std::vector<Evaluation> evaluations;
+
+  Index num_draws() const { return evaluations.front().theta.rows(); }
+};
+
+Chains find_chains(const Plan& plan) {
+  Chains chains;
+  for (const auto& [node, use] : last_nodes_of_method(plan, Stage::evaluate)) {
+    chains.method = use.method;
+    chains.seeds.push_back(static_cast<Index>(use.seed));
+    chains.nodes.push_back(node);
+    chains.evaluations.push_back(kEvaluationSchema.read(*node));
+  }
+  return chains;
+}
 
 const Names kOfDraws = {"chain", "draw"};  // dimensions of all that a draw has one of
 

@@ -18,10 +18,10 @@
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/build_info.h"
-#include "pipeline/report/next_steps.h"
+#include "pipeline/report/figure_parts.h"
 #include "pipeline/report/policy_parts.h"
-#include "pipeline/report/pooling_text.h"
 #include "pipeline/report/registry.h"
+#include "pipeline/report/texts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -97,8 +97,7 @@ analysis::ReportSection heading(Section section, const ReportData& data) {
               .remarks = pooling_text(study),
               .figures_first = true};
     case Section::fit:
-      return {.title = study.source().gives_motion ? "How well do they explain the recording?"
-                                                   : "How well do they explain the observation?",
+      return {.title = "How well do they explain the observation?",
               .remarks = simulates ? study.report.caption : ""};
     case Section::diagnostics:
       return {.title = "Can the posteriors be trusted?"};
@@ -123,8 +122,10 @@ void add_symbols(analysis::Table& table, const std::map<std::string, std::string
   }
 }
 
-analysis::ReportFigure draw(const ReportedFigure& made, const fs::path& folder) {
-  analysis::ReportFigure figure{write_figure(made.figure, folder).svg, made.caption};
+analysis::ReportFigure draw(const ReportedFigure& made, const std::vector<std::string>& methods,
+                            const fs::path& folder) {
+  analysis::ReportFigure figure{write_figure(made.figure, folder).svg,
+                                made.caption + left_out_methods(methods)};
   if (made.narrow) figure.narrow = write_figure(*made.narrow, folder).svg;
   return figure;
 }
@@ -132,6 +133,7 @@ analysis::ReportFigure draw(const ReportedFigure& made, const fs::path& folder) 
 analysis::ReportSection make_section(Section section, const ReportData& data,
                                      const fs::path& folder) {
   analysis::ReportSection made = heading(section, data);
+  const auto methods = section == Section::policies ? data.policy_methods() : data.methods;
   for (const TableEntry& entry : kTables) {
     if (entry.section != section) continue;
     std::optional<analysis::Table> table = entry.make(data);
@@ -140,48 +142,41 @@ analysis::ReportSection make_section(Section section, const ReportData& data,
       continue;
     }
     table->name = entry.name;
-    table->command = data.plan.command;
+    table->command = data.plan.command();
     add_symbols(*table, data.plan.study.report.symbols);
     made.tables.push_back(*std::move(table));
   }
   for (const FigureEntry& entry : kFigures) {
     if (entry.section != section) continue;
-    if (const auto figure = entry.make(data))
-      made.figures.push_back(draw(*figure, folder / "figures"));
+    const auto figure = entry.make(data);
+    if (figure) made.figures.push_back(draw(*figure, methods, folder / "figures"));
   }
   return made;
 }
 
 // What the check of diagnoses says, for studies without it.
-void warn_of_dependent_failures(const Plan& plan, std::set<std::string>& warnings) {
+void warn_of_dependent_failures(const Plan& plan, const std::vector<const Node*>& simulations,
+                                std::set<std::string>& warnings) {
   if (plan.study.diagnose.has(Check::failures)) return;
-  std::vector<std::pair<FailureResult, std::uint64_t>> found;  // and their seeds
-  for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::simulate || !is_complete(plan, node)) continue;
-    const FailureResult result = test_failures(plan, {&node});
-    if (result.test.num_failed > 0) found.emplace_back(result, node.uses.front().seed);
-  }
-  const double level =
-      plan.study.diagnose.alpha / static_cast<double>(std::max<std::size_t>(found.size(), 1));
-  for (const auto& [result, seed] : found) {
-    if (result.test.p_value >= level) continue;
-    warnings.insert(fmt::format("Warning: {} (seed {}, p = {:.2g}). {}.", words_of(result), seed,
-                                result.test.p_value, kFailureAdvice));
-    return;
-  }
+  const FailureResult found = test_failures(plan, simulations);
+  if (found.test.num_failed == 0 || found.test.p_value >= plan.study.diagnose.alpha) return;
+  warnings.insert(fmt::format("Warning: {} (p = {:.2g}). {}.", words_of(found), found.test.p_value,
+                              kFailureAdvice));
 }
 
 // Warnings of all simulations, each said once. A limit of failed rows that was
 // lowered after the posteriors were made stops the study all the same.
 std::string check_simulations(const Plan& plan) {
   std::set<std::string> warnings;
+  std::vector<const Node*> simulations;
   for (const Node& node : plan.nodes) {
     if (node.stage != Stage::simulate || !is_complete(plan, node)) continue;
+    simulations.push_back(&node);
     for (const std::string& warning : warnings_of(open_simulation(plan, node))) {
       warnings.insert("Warning: " + warning + ".");
     }
   }
-  warn_of_dependent_failures(plan, warnings);
+  warn_of_dependent_failures(plan, simulations, warnings);
   return fmt::format("{}", fmt::join(warnings, "\n\n"));
 }
 
@@ -224,7 +219,7 @@ void run_report(const Plan& plan, const Node& node) {
     const bool is_empty = made.tables.empty() && made.figures.empty() && made.code.empty();
     if (!is_empty) report.sections.push_back(std::move(made));
   }
-  report.commands = {plan.command};
+  report.commands = {plan.command()};
   report.provenance = provenance(data, node, making);
   const std::vector<fs::path> files = write_tables(report, folder / "tables");
   analysis::write_report(report, report_path(plan));

@@ -5,7 +5,7 @@
 
 #include "core/constants.h"
 #include "core/quantile.h"
-#include "pipeline/features/noise.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
 #include "sim/noise_transform.h"

@@ -11,19 +11,6 @@
 
 namespace npdr::pipeline {
 
-TableOf<const EvaluatedRun*> table_of_runs(const ReportData& data, std::string caption) {
-  std::vector<const EvaluatedRun*> runs;
-  for (const std::string& method : data.methods) {
-    for (const EvaluatedRun* run : data.runs_of(method)) runs.push_back(run);
-  }
-  return {.caption = std::move(caption),
-          .row_header = "Method, seed",
-          .rows = std::move(runs),
-          .label = [](const EvaluatedRun* run) {
-            return experiment_label(run->use.method, run->use.seed);
-          }};
-}
-
 std::string experiment_label(const std::string& method, std::uint64_t seed) {
   return fmt::format("{}, {}", method, seed);
 }
@@ -36,12 +23,6 @@ TableOf<Index> table_of_parameters(const ReportData& data, std::string caption) 
           .row_header = "Parameter",
           .rows = std::move(positions),
           .label = [&](Index d) { return prior[static_cast<std::size_t>(d)].name; }};
-}
-
-Index num_rounds(const ReportData& data) {
-  Index most = 0;
-  for (const EvaluatedRun& run : data.runs) most = std::max(most, run.use.round);
-  return most;
 }
 
 std::string title_of(const ReportData& data, const std::string& metric) {
@@ -68,11 +49,6 @@ Cell cell_of_seeds(const analysis::Summary& summary) {
         fmt::format("of {} of {} seeds: of the others every rollout failed, in one part at least",
                     summary.n, summary.n + summary.n_failed));
   }
-  return cell;
-}
-
-Cell known_cell(Cell cell) {
-  cell.notes.emplace_back("not inferred by this method, which takes it as known");
   return cell;
 }
 

@@ -12,24 +12,11 @@
 
 namespace npdr::pipeline {
 
-/// A row for each method and seed, "NPDR (MAF), 1".
-TableOf<const EvaluatedRun*> table_of_runs(const ReportData& data, std::string caption);
-/// The label of such a row.
+/// The label of the row of a method and seed, "NPDR (MAF), 1".
 std::string experiment_label(const std::string& method, std::uint64_t seed);
 
 /// A row for each parameter of the prior, which is given by its position.
 TableOf<Index> table_of_parameters(const ReportData& data, std::string caption);
-
-/// The rounds of the method that has the most.
-Index num_rounds(const ReportData& data);
-/// Adds a column for each, "round 1", with `cell`(round, item).
-template <class Item, class CellOf>
-void add_rounds(const ReportData& data, TableOf<Item>& table, const CellOf& cell) {
-  for (Index round = 1; round <= num_rounds(data); ++round) {
-    table.add("round " + std::to_string(round),
-              [round, cell](const Item& item) { return cell(round, item); });
-  }
-}
 
 /// Title of one of measured_names(): "RMSE, held out".
 std::string title_of(const ReportData& data, const std::string& metric);
@@ -42,9 +29,6 @@ Cell with_failed(Cell cell, const analysis::Summary& summary);
 /// Mean and standard deviation over seeds; a footnote says of how many, where all rollouts of
 /// others failed.
 Cell cell_of_seeds(const analysis::Summary& summary);
-
-/// The cell of a parameter that the method takes as known, as its footnote says.
-Cell known_cell(Cell cell = {});
 
 /// Why bands without noise hold less of a recording, which has some; empty where that isn't so.
 std::string noiseless_bands_text(const Study& study);

@@ -2,12 +2,53 @@
 
 #include <algorithm>
 
+#include "pipeline/plan/completeness.h"
 #include "pipeline/report/policy_parts.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"
 
 namespace npdr::pipeline {
 namespace {
+
+bool is_tested_in_target(const ReportData& data) {
+  return data.plan.study.target.truth.has_value();
+}
+
+bool is_tested_on_grid(const ReportData& data) { return data.plan.study.policy.grid.is_used(); }
+
+bool is_tested(const ReportData& data) {
+  return is_tested_in_target(data) || is_tested_on_grid(data);
+}
+
+// In the target domain or on the grid.
+using TestPlace = std::optional<PolicyOutcomes> PolicyTest::*;
+
+// One outcome of all rollouts of a test, to pool.
+auto outcome_samples(TestPlace place, Outcome outcome) {
+  return [=](const PolicyTest* test) -> Vector {
+    return ((*(test->*place)).*outcome).reshaped<Eigen::RowMajor>();
+  };
+}
+
+// A row for each method that has searched for a policy.
+TableOf<std::string> table_of_policy_methods(const ReportData& data, std::string caption) {
+  return {.caption = std::move(caption),
+          .row_header = "Method",
+          .rows = data.policy_methods(),
+          .label = std::identity()};
+}
+
+// Nodes of some stages that an experiment uses, for other things than calibration.
+std::vector<const Node*> nodes_of(const ReportData& data, const std::string& method,
+                                  std::uint64_t seed, const std::vector<Stage>& stages) {
+  const auto is_its = [&](const Use& use) { return use.method == method && use.seed == seed; };
+  std::vector<const Node*> nodes;
+  for (const Node& node : data.plan.nodes) {
+    const bool is_wanted = std::ranges::count(stages, node.stage) > 0 && !is_calibration(node);
+    if (is_wanted && std::ranges::any_of(node.uses, is_its)) nodes.push_back(&node);
+  }
+  return nodes;
+}
 
 // Counts of one experiment: of the target domain, of inference, of the search.
 Index num_target_rollouts(const ReportData& data, const MethodConfig& method) {
@@ -103,6 +144,41 @@ void add_tests(const ReportData& data, TableOf<std::string>& table) {
   }
 }
 
+// Core-hours of one experiment in some stages; what methods share counts for each.
+double core_hours(const ReportData& data, const std::string& method, std::uint64_t seed,
+                  const std::vector<Stage>& stages) {
+  double seconds = 0.0;
+  for (const Node* node : nodes_of(data, method, seed, stages)) {
+    if (!is_complete(data.plan, *node)) continue;
+    seconds += read_artefact_info(node->path).provenance.cost.core_seconds;
+  }
+  return seconds / 3600.0;
+}
+
+// A method and seed: the policy that its last search found.
+struct PolicyOfSeed {
+  std::string label;
+  Vector parameters;
+  const PolicyHistory* last_search = nullptr;
+  std::size_t seed = 0;  // its place among the seeds
+  std::string method = {};
+};
+
+TableOf<PolicyOfSeed> table_of_policies_of_seeds(const ReportData& data, std::string caption) {
+  TableOf<PolicyOfSeed> table{.caption = std::move(caption),
+                              .row_header = "Method, seed",
+                              .rows = {},
+                              .label = &PolicyOfSeed::label};
+  for (const std::string& method : data.policy_methods()) {
+    for (std::size_t s = 0; s < data.seeds.size(); ++s) {
+      const PolicyHistory* last = histories_of(data, method, data.seeds[s]).back();
+      table.rows.push_back({experiment_label(method, data.seeds[s]),
+                            last->policies.bottomRows(1).transpose(), last, s, method});
+    }
+  }
+  return table;
+}
+
 }  // namespace
 
 /// Returns and successes of each method before and after its searches, and the rollouts and
@@ -129,6 +205,72 @@ std::optional<Table> policy_table(const ReportData& data) {
     table.last_notes.emplace_back("simulations: without those that score powers");
   }
   if (is_tested(data)) table.last_notes.push_back("success: " + task_info(data).success);
+  return table.make();
+}
+
+/// One row a method: core-hours. They are times, so that two runs that computed the same differ.
+std::optional<Table> policy_cost_table(const ReportData& data) {
+  if (!has_policies(data)) return std::nullopt;
+  auto table = table_of_policy_methods(
+      data, "What policies took: core-hours of one experiment, mean and standard deviation.");
+  const auto add = [&](const char* title, const std::vector<Stage>& stages) {
+    table.add(title, [&data, stages](const std::string& method) {
+      return analysis::summarize(each(
+          data.seeds, [&](std::uint64_t seed) { return core_hours(data, method, seed, stages); }));
+    });
+  };
+  add("simulation", {Stage::target, Stage::propose, Stage::simulate});
+  add("inference", {Stage::infer});
+  add("policy search", {Stage::policy});
+  add("all", {Stage::target, Stage::propose, Stage::simulate, Stage::infer, Stage::policy});
+  table.last_notes = {
+      "what several methods share counts for each of them; without tests and evaluations; times "
+      "differ from run to run"};
+  return table.make();
+}
+
+/// One row a method and seed: its policy in the target domain and under what the method believes.
+std::optional<Table> policy_seeds_table(const ReportData& data) {
+  if (!has_policies(data)) return std::nullopt;
+  using Policy = const PolicyOfSeed&;
+  auto table = table_of_policies_of_seeds(
+      data,
+      "Policies of each experiment: in the target domain, and under what the method believes.");
+  if (is_tested_in_target(data)) {
+    const auto in_target = [&data](Policy policy, Searches searches, Outcome outcome) {
+      const PolicyTest* test = tests_of(data, policy.method, searches).at(policy.seed);
+      return analysis::summarize(outcome_samples(&PolicyTest::target, outcome)(test));
+    };
+    constexpr auto returns = &PolicyOutcomes::returns, success = &PolicyOutcomes::success;
+    using enum Searches;
+    table.add("return before", [=](Policy p) { return in_target(p, before, returns); });
+    table.add("success before", [=](Policy p) { return in_target(p, before, success).mean; });
+    table.add("return", [=](Policy p) { return in_target(p, after, returns); });
+    table.add("success", [=](Policy p) { return in_target(p, after, success).mean; });
+  }
+  const auto last = [](const Vector& values) { return values(values.size() - 1); };
+  table.add("believed return", [=](Policy p) { return last(p.last_search->mean_return); });
+  table.add("believed success", [=](Policy p) { return last(p.last_search->success_rate); });
+  table.add("impossible parameters", [](Policy p) { return p.last_search->num_impossible; });
+  table.last_notes = {
+      "believed: over fresh samples of what the method takes the domain parameters for (posterior, "
+      "prior or nominal); impossible parameters: samples that were left out of the last search"};
+  return table.make();
+}
+
+/// One row a method and seed: the parameters of the policy that was found.
+std::optional<Table> policy_parameters_table(const ReportData& data) {
+  if (!has_policies(data)) return std::nullopt;
+  auto table =
+      table_of_policies_of_seeds(data, "Parameters of the policies that the searches found.");
+  const Vector first = data.policies.front().result.policies.row(0).transpose();
+  table.rows.insert(table.rows.begin(), {"before any search", first});
+  Index p = 0;
+  for (const sim::PolicyParameter& parameter : task_info(data).parameters) {
+    table.add(fmt::format("{} [{}]", parameter.name, parameter.unit),
+              [p](const PolicyOfSeed& policy) { return policy.parameters(p); });
+    ++p;
+  }
   return table.make();
 }
 

@@ -10,6 +10,20 @@
 namespace npdr::pipeline {
 namespace {
 
+// A row for each method and seed.
+TableOf<const EvaluatedRun*> table_of_runs(const ReportData& data, std::string caption) {
+  std::vector<const EvaluatedRun*> runs;
+  for (const std::string& method : data.methods) {
+    for (const EvaluatedRun* run : data.runs_of(method)) runs.push_back(run);
+  }
+  return {.caption = std::move(caption),
+          .row_header = "Method, seed",
+          .rows = std::move(runs),
+          .label = [](const EvaluatedRun* run) {
+            return experiment_label(run->use.method, run->use.seed);
+          }};
+}
+
 // The worst of all parameters; NaN, in which chains were too short to say, is worst.
 Cell worst(const Vector& values, double sign) {
   if (values.size() == 0) return {};
@@ -86,6 +100,35 @@ std::optional<Table> seeds_table(const ReportData& data) {
   const auto pool = [](Run run) -> const auto& { return run->notes.pool; };
   add_where(pool, "power of NPE", [](const auto& p) { return p.powers_at_x_o.posterior; });
   add_where(pool, "power of NLE", likelihood_power_cell);
+  return table.make();
+}
+
+/// One row a refined method and seed: evidence, effective size and tail of the weights.
+std::optional<Table> refinement_table(const ReportData& data) {
+  auto table = table_of_runs(
+      data,
+      "Refined posteriors: how much their weighted draws are worth. log Z: evidence of the "
+      "recording, in nats, and its standard error, where the power of the likelihood is 1; of two "
+      "priors or noise models the one whose log Z is larger by 3 explains it 20 times better. At "
+      "another power it compares with nothing.");
+  std::erase_if(table.rows, [](const EvaluatedRun* run) { return !run->notes.certificate; });
+  if (table.rows.empty()) return std::nullopt;
+  using Certificate = inference::ImportanceCertificate;
+  const auto add = [&](const char* title, const auto& cell) {
+    table.add(title, [cell](const EvaluatedRun* run) -> Cell {
+      return std::invoke(cell, *run->notes.certificate);
+    });
+  };
+  add("log Z", [](const Certificate& certificate) {
+    return analysis::MeanStd{certificate.log_evidence, certificate.log_evidence_error, 0};
+  });
+  add("ESS", &Certificate::ess);
+  add("efficiency", &Certificate::efficiency);
+  add("missed", &Certificate::missed_share);
+  add("Pareto k", &Certificate::pareto_k);
+  add("power", &Certificate::power);
+  add("simulations", &Certificate::num_draws);
+  add("verdict", [](const Certificate& certificate) { return inference::verdict(certificate); });
   return table.make();
 }
 

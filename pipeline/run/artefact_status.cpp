@@ -36,26 +36,24 @@ std::uintmax_t size_of_tree(const fs::path& path) {
   return bytes;
 }
 
-// The artefact that the readable link points to, when it is another one than the plan's.
-std::optional<fs::path> earlier_artefact(const Plan& plan, const Node& node) {
+// What the readable link points to, there or not; of the report, which has no link, itself.
+std::optional<fs::path> linked_artefact(const Plan& plan, const Node& node) {
+  std::error_code error;
   if (node.stage == Stage::report) {
-    if (fs::exists(node.path)) return node.path;
-    return std::nullopt;
+    return fs::exists(node.path, error) ? std::optional(node.path) : std::nullopt;
   }
   const fs::path link = link_of(plan, node, node.uses.front());
-  std::error_code error;
-  const fs::path found = fs::canonical(link, error);
-  if (error || found.stem() == node.key) return std::nullopt;
-  return found;
+  const fs::path found = fs::read_symlink(link, error);
+  if (error) return std::nullopt;
+  return (link.parent_path() / found).lexically_normal();
 }
 
-// A link of the readable folder whose artefact somebody has removed.
-std::optional<fs::path> removed_artefact(const Plan& plan, const Node& node) {
-  if (node.stage == Stage::report) return std::nullopt;
-  const fs::path link = link_of(plan, node, node.uses.front());
+// The same of another artefact than the plan's, which is there.
+std::optional<fs::path> earlier_artefact(const Plan& plan, const Node& node) {
+  std::optional<fs::path> linked = linked_artefact(plan, node);
   std::error_code error;
-  if (!fs::is_symlink(link, error) || fs::exists(link, error)) return std::nullopt;
-  return (link.parent_path() / fs::read_symlink(link, error)).lexically_normal();
+  if (!linked || linked->stem() == node.key || !fs::exists(*linked, error)) return std::nullopt;
+  return linked;
 }
 
 // How a checkpoint says how far the work has come.
@@ -70,13 +68,7 @@ CheckpointKind checkpoint_kind(const Plan& plan, const Node& node) {
   if (node.stage == Stage::diagnose) {
     return {kDiagnosisCheckpointSchema, "simulation", "num_done"};
   }
-  if (node.stage == Stage::infer) {
-    const MethodConfig& method = plan.study.method(node.uses.front().method);
-    const auto family = inference::traits_of(method.algorithm.kind).family;
-    if (family == inference::AlgorithmFamily::likelihood) {
-      return {kRefinementCheckpointSchema, "simulation", "num_draws"};
-    }
-  }
+  if (is_refinement(plan, node)) return {kRefinementCheckpointSchema, "simulation", "num_draws"};
   return {kCheckpointSchema, "epoch", "epochs"};
 }
 
@@ -154,34 +146,13 @@ void compare(const std::string& path, const Json& now, const Json& before,
                               shortened_from_difference(other, one)));
 }
 
-}  // namespace
-
-std::string to_string(ArtefactState state) {
-  switch (state) {
-    case ArtefactState::up_to_date:
-      return "up to date";
-    case ArtefactState::stale:
-      return "stale";
-    case ArtefactState::partial:
-      return "partial";
-    case ArtefactState::missing:
-      return "missing";
-    case ArtefactState::failed:
-      return "failed";
-  }
-  return "";
-}
-
-namespace {
-
-// Reads shards to the end; they have checksums of their own.
-void check_shards(const std::vector<fs::path>& shards) {
-  for (const fs::path& shard : shards) {
-    try {
-      read_artefact_info(shard);
-    } catch (const DamagedFile& error) {
-      throw DamagedFile(std::string(error.what()) + "; remove this shard, too");
-    }
+// Reads a shard that is there to the end; shards have checksums of their own.
+void check_shard(const fs::path& shard) {
+  if (!fs::exists(shard)) return;
+  try {
+    read_artefact_info(shard);
+  } catch (const DamagedFile& error) {
+    throw DamagedFile(std::string(error.what()) + "; remove this shard, too");
   }
 }
 
@@ -203,16 +174,8 @@ void check_artefact(const Plan& plan, const Node& node, Scrutiny scrutiny, Artef
     status.cost = info.provenance.cost;
   }
   if (scrutiny == Scrutiny::quick) return;
-  check_shards(shards);
+  for (const fs::path& shard : shards) check_shard(shard);
   content_digest(node.path);
-}
-
-std::vector<fs::path> present_shards(const Plan& plan, const Node& node) {
-  std::vector<fs::path> present;
-  for (const Shard& shard : shards(plan, node)) {
-    if (fs::exists(shard.path)) present.push_back(shard.path);
-  }
-  return present;
 }
 
 // Where the log of its jobs is, those of earlier versions included; empty: none said anything.
@@ -230,7 +193,7 @@ void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, Artefact
     return;
   }
   if (scrutiny == Scrutiny::thorough && node.stage == Stage::simulate) {
-    check_shards(present_shards(plan, node));
+    for (const Shard& shard : shards(plan, node)) check_shard(shard.path);
   }
   const std::optional<std::string> part = partial_detail(plan, node);
   status.detail = part.value_or("");
@@ -271,10 +234,10 @@ ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny) 
 
 std::vector<int> processes_at_work(const Plan& plan) {
   std::map<fs::path, std::map<std::string, int>> folders;  // each is read once
-  const auto in_the_making = [&](const fs::path& folder) -> const std::map<std::string, int>& {
-    const auto found = folders.find(folder);
-    if (found != folders.end()) return found->second;
-    return folders[folder] = files_in_the_making(folder);
+  const auto in_the_making = [&](const fs::path& folder) -> const auto& {
+    const auto [found, is_new] = folders.try_emplace(folder);
+    if (is_new) found->second = files_in_the_making(folder);
+    return found->second;
   };
   const auto process_of = [&](const Node& node) {
     if (is_complete(plan, node)) return 0;
@@ -302,22 +265,24 @@ std::vector<std::string> reasons(const Plan& plan, const Node& node) {
     const ArtefactStatus status = status_of(plan, node);
     return {status.state == ArtefactState::up_to_date ? "it is up to date" : status.detail};
   }
-  const std::optional<fs::path> earlier = earlier_artefact(plan, node);
-  if (const auto removed = removed_artefact(plan, node)) {
-    const bool is_its = removed->stem() == node.key;
+  const std::optional<fs::path> linked = linked_artefact(plan, node);
+  std::error_code error;
+  if (linked && !fs::exists(*linked, error)) {
+    const bool is_its = linked->stem() == node.key;
     return {fmt::format("{} was removed: {}", is_its ? "its file" : "an earlier version's file",
-                        removed->string())};
+                        linked->string())};
   }
   const ArtefactStatus status = status_of(plan, node);
-  std::vector<std::string> lines;
-  if (!earlier) {
-    if (status.state == ArtefactState::partial) return {"it isn't finished: " + status.detail};
-    if (status.is_sound) lines.emplace_back("it was never made");
-    if (!status.detail.empty()) lines.push_back(status.detail);
-    return lines;
+  if (status.state == ArtefactState::partial && !status.earlier) {
+    return {"it isn't finished: " + status.detail};
   }
-  compare("", node.identity.key_document, document_of(*earlier), lines);
-  if (lines.empty()) lines.emplace_back("its files are gone");
+  std::vector<std::string> lines;
+  if (const auto earlier = earlier_artefact(plan, node)) {
+    compare("", node.identity.key_document, document_of(*earlier), lines);
+    if (lines.empty()) lines.emplace_back("its files are gone");
+  } else if (status.is_sound) {
+    lines.emplace_back("it was never made");
+  }
   if (!status.detail.empty()) lines.push_back(status.detail);
   return lines;
 }

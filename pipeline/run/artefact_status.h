@@ -1,12 +1,14 @@
 /// Where an artefact of a plan stands.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "pipeline/plan/plan.h"
 
 namespace npdr::pipeline {
@@ -18,6 +20,15 @@ enum class ArtefactState {
   missing,
   failed,  ///< a complete simulation with more failed rows than the study allows
 };
+
+constexpr auto enum_table(ArtefactState) {
+  using enum ArtefactState;
+  return std::to_array<EnumRow<ArtefactState>>({{up_to_date, "up to date"},
+                                                {stale, "stale"},
+                                                {partial, "partial"},
+                                                {missing, "missing"},
+                                                {failed, "failed"}});
+}
 
 struct ArtefactStatus {
   ArtefactState state = ArtefactState::missing;
@@ -42,9 +53,6 @@ ArtefactStatus status_of(const Plan& plan, const Node& node, Scrutiny scrutiny =
 
 /// Processes of this host that make the nodes of a plan now; 0: none does. (nodes)
 std::vector<int> processes_at_work(const Plan& plan);
-
-/// "up to date", "stale", "partial", "missing", "failed".
-std::string to_string(ArtefactState state);
 
 /// Why a node isn't up to date: one line for each key of its key document that differs from the
 /// earlier version's, or one that says that there is none; where its jobs' log is. Throws

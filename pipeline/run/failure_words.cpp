@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <csignal>
 #include <deque>
 #include <fstream>
@@ -39,16 +40,12 @@ std::string without_numbers(const std::string& text) {
 std::string how_it_ended(int status) {
   if (status <= 128) return fmt::format("exit status {}", status);
   const int signal = status - 128;
-  std::string what_now;
+  constexpr int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+  const char* what_now = "";
   if (signal == SIGKILL) {
-    what_now =
-        ", often for want of memory; run it again to go on, if that happens again with a smaller "
-        "--jobs";
-  } else if (signal == SIGSEGV || signal == SIGBUS || signal == SIGFPE || signal == SIGILL ||
-             signal == SIGABRT) {
-    what_now =
-        ", it crashed; where the study has a simulator.library, its code may have, and crashes of "
-        "a simulator.worker cost their rows alone";
+    what_now = ", often for want of memory; run it again, with a smaller --jobs if that recurs";
+  } else if (std::ranges::count(crashes, signal) > 0) {
+    what_now = ", it crashed, maybe in a simulator.library; a worker that crashes costs only rows";
   }
   return fmt::format("killed by signal {}{}", signal, what_now);
 }

@@ -1,5 +1,7 @@
 #include "pipeline/run/run_stage.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "core/stop_request.h"
 #include "pipeline/plan/completeness.h"
@@ -12,18 +14,36 @@ namespace {
 // Others are short, or begin anew after they have been ended; programs of the user's are ended
 // gently in any case.
 bool saves_work_on_request(const Plan& plan, const Node& node) {
+  using enum Stage;
+  constexpr Stage saving[] = {simulate, infer, baseline, diagnose, policy, policy_test};
+  if (std::ranges::count(saving, node.stage) > 0) return true;
+  return node.stage != report && plan.study.source().calls_program;
+}
+
+// No default: the compiler tells which stage is missing.
+void make(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers) {
   switch (node.stage) {
+    case Stage::target:
+    case Stage::held_out:
+      return run_target(plan, node);
+    case Stage::propose:
+      return run_propose(plan, node);
     case Stage::simulate:
+      return run_simulate(plan, node, shard_numbers);
     case Stage::infer:
+      return run_infer(plan, node);
     case Stage::baseline:
+      return run_baseline(plan, node);
+    case Stage::evaluate:
+      return run_evaluate(plan, node);
     case Stage::diagnose:
+      return run_diagnose(plan, node);
     case Stage::policy:
+      return run_policy(plan, node);
     case Stage::policy_test:
-      return true;
+      return run_policy_test(plan, node);
     case Stage::report:
-      return false;
-    default:
-      return plan.study.source().calls_program;
+      return run_report(plan, node);
   }
 }
 
@@ -36,39 +56,7 @@ void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& sha
   }
   if (saves_work_on_request(plan, node)) watch_for_stop_requests();
   require_inputs(plan, node);
-  switch (node.stage) {
-    case Stage::target:
-    case Stage::held_out:
-      run_target(plan, node);
-      break;
-    case Stage::propose:
-      run_propose(plan, node);
-      break;
-    case Stage::simulate:
-      run_simulate(plan, node, shard_numbers);
-      break;
-    case Stage::infer:
-      run_infer(plan, node);
-      break;
-    case Stage::baseline:
-      run_baseline(plan, node);
-      break;
-    case Stage::evaluate:
-      run_evaluate(plan, node);
-      break;
-    case Stage::diagnose:
-      run_diagnose(plan, node);
-      break;
-    case Stage::policy:
-      run_policy(plan, node);
-      break;
-    case Stage::policy_test:
-      run_policy_test(plan, node);
-      break;
-    case Stage::report:
-      run_report(plan, node);
-      break;
-  }
+  make(plan, node, shard_numbers);
   if (is_complete(plan, node)) settle(plan, node);
 }
 

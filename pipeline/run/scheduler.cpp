@@ -9,11 +9,10 @@
 #include <set>
 
 #include "core/atomic_file.h"
+#include "core/finding.h"
 #include "core/stop_request.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/plan/shards.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/run/run_display.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -43,40 +42,20 @@ void remove_stale_temporaries_of(const Plan& plan) {
   for (const std::filesystem::path& folder : folders) remove_stale_temporaries(folder);
 }
 
-}  // namespace
-
-namespace {
-
 // With the program of a stage.
-std::vector<std::string> command_about(const SchedulerConfig& config, Stage program,
-                                       const Node& node) {
+std::vector<std::string> command_about(const Plan& plan, Stage program, const Node& node) {
   std::vector<std::string> command = {executable_folder() / traits_of(program).program};
-  command.insert(command.end(), config.study_words.begin(), config.study_words.end());
+  append(command, plan.words);
   command.insert(command.end(), {"--artefact", node.key});
   return command;
 }
-
-}  // namespace
-
-std::vector<std::string> stage_command(const SchedulerConfig& config, const Node& node) {
-  return command_about(config, node.stage, node);
-}
-
-std::vector<std::string> helper_command(const SchedulerConfig& config, const Node& node,
-                                        const Helper& helper) {
-  std::vector<std::string> command = command_about(config, Stage::simulate, node);
-  command.insert(command.end(), {"--helper", fmt::format("{}/{}", helper.number, helper.count)});
-  return command;
-}
-
-namespace {
 
 // What a job's progress counts, where it is worth a word.
 std::string unit_of(const Plan& plan, const Node& node) {
   if (node.stage == Stage::simulate) return " simulations";
   if (node.stage != Stage::infer) return "";
-  const inference::Algorithm kind = plan.study.method(node.uses.front().method).algorithm.kind;
-  const bool trains = inference::traits_of(kind).family == inference::AlgorithmFamily::network;
+  const MethodConfig& method = plan.study.method(node.uses.front().method);
+  const bool trains = family_of(method) == inference::AlgorithmFamily::network;
   return trains ? " epochs" : " simulations";
 }
 
@@ -92,6 +71,16 @@ bool comes_until(const Plan& plan, const Node& node, Stage until) {
 }
 
 }  // namespace
+
+std::vector<std::string> stage_command(const Plan& plan, const Node& node) {
+  return command_about(plan, node.stage, node);
+}
+
+std::vector<std::string> helper_command(const Plan& plan, const Node& node, const Helper& helper) {
+  std::vector<std::string> command = command_about(plan, Stage::simulate, node);
+  command.insert(command.end(), {"--helper", fmt::format("{}/{}", helper.number, helper.count)});
+  return command;
+}
 
 std::vector<const Node*> missing_nodes(const Plan& plan, std::optional<Stage> until) {
   std::vector<const Node*> missing;
@@ -186,7 +175,7 @@ void Scheduler::start(std::size_t index, int threads) {
   const auto size = std::filesystem::file_size(log.path, none);
   if (!none) log.begin = size;
   jobs_.push_back({index, threads,
-                   ChildProcess(stage_command(config_, node), threads, log.path.string()), log,
+                   ChildProcess(stage_command(plan_, node), threads, log.path.string()), log,
                    Clock::now()});
   states_[index] = State::running;
   free_slots_ -= threads;
@@ -207,16 +196,13 @@ void Scheduler::wait_for_news() {
 }
 
 void Scheduler::collect_ended_jobs() {
-  for (auto job = jobs_.begin(); job != jobs_.end();) {
-    if (!job->process.has_ended()) {
-      ++job;
-      continue;
-    }
-    job->process.read_progress();
-    end_of(*job);
-    free_slots_ += job->threads;
-    job = jobs_.erase(job);
-  }
+  std::erase_if(jobs_, [&](Job& job) {
+    if (!job.process.has_ended()) return false;
+    job.process.read_progress();
+    end_of(job);
+    free_slots_ += job.threads;
+    return true;
+  });
 }
 
 void Scheduler::end_of(const Job& job) {
@@ -235,14 +221,9 @@ void Scheduler::end_of(const Job& job) {
   // A child that was told to stop before it could listen has done nothing yet.
   if (status == static_cast<int>(ExitStatus::checkpointed) || is_stop_signal(status - 128)) {
     stopping_ = true;
-    if (!stop_requested()) {  // somebody stopped that job alone
-      lines_.clear();
-      print(failures_.tell(node.label(), status, job.process.said(), job.log));
-    }
-    return;
-  }
-  const bool is_known = status == 2 || status == 3;
-  if (status_ == ExitStatus::done) {
+    if (stop_requested()) return;  // else somebody stopped that job alone
+  } else if (status_ == ExitStatus::done) {
+    const bool is_known = status == 2 || status == 3;
     status_ = is_known ? static_cast<ExitStatus>(status) : ExitStatus::failed;
   }
   lines_.clear();
@@ -306,19 +287,8 @@ std::string Scheduler::job_text(const Job& job) const {
     if (state.total > 0) text += fmt::format(" of {}", state.total);
     text += unit_of(plan_, node);
   }
-  const Index count = node.stage == Stage::simulate ? num_shards(plan_, node) : 0;
-  if (state.done > 0 && count > 1) {
-    const Index size = plan_.study.simulate.shard_size;
-    text += fmt::format(", shard {} of {}", (state.done + size - 1) / size, count);
-  }
   if (!state.note.empty()) text += ", " + state.note;
-  const std::string silence = silence_text(job.process.silence());
-  // Training calls no simulator.
-  const bool may_wait =
-      !silence.empty() && plan_.study.source().runs_users_code() && uses_threads(plan_, node);
-  return text + silence +
-         (may_wait ? fmt::format(" (simulator.time_limit: {} s)", plan_.study.external.time_limit)
-                   : "");
+  return text + silence_text(job.process.silence());
 }
 
 void Scheduler::show_progress(bool force) {

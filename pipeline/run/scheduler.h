@@ -13,24 +13,22 @@
 #include "pipeline/process/child_process.h"
 #include "pipeline/process/live_lines.h"
 #include "pipeline/run/failure_words.h"
-#include "pipeline/run/run_costs.h"
+#include "pipeline/run/run_progress.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 
 struct SchedulerConfig {
-  int num_jobs = 1;                      ///< cores to keep busy
-  std::optional<Stage> until;            ///< the last stage to run; empty: all
-  std::vector<std::string> study_words;  ///< words that name the study to a stage: file, --set, ...
-  std::vector<std::string> artefacts;    ///< keys of those to make; empty: all
+  int num_jobs = 1;                    ///< cores to keep busy
+  std::optional<Stage> until;          ///< the last stage to run; empty: all
+  std::vector<std::string> artefacts;  ///< keys of those to make; empty: all
 };
 
 /// The command that makes one artefact.
-std::vector<std::string> stage_command(const SchedulerConfig& config, const Node& node);
+std::vector<std::string> stage_command(const Plan& plan, const Node& node);
 
 /// That of a helper of the refinement `node`.
-std::vector<std::string> helper_command(const SchedulerConfig& config, const Node& node,
-                                        const Helper& helper);
+std::vector<std::string> helper_command(const Plan& plan, const Node& node, const Helper& helper);
 
 /// The nodes that aren't complete and are needed for what is selected, in an order that works.
 std::vector<const Node*> missing_nodes(const Plan& plan, std::optional<Stage> until);

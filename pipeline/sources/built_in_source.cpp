@@ -1,7 +1,6 @@
-#include "pipeline/sources/built_in_source.h"
-
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/study_json.h"
+#include "pipeline/sources/source_kinds.h"
 #include "pipeline/sources/truth_inputs.h"
 
 namespace npdr::pipeline {
@@ -31,31 +30,33 @@ Json without(Json json, const std::string& setting) {
   return json;
 }
 
+class BuiltInSource final : public Source {
+ public:
+  using Source::Source;
+
+  // Settings that mean nothing to a simulator change nothing in it. A simulated target is one
+  // segment.
+  SourceKeys keys() const override {
+    SourceKeys keys;
+    keys.rows = settings();
+    const int version = sim::rollout_version(study().simulator.name);
+    if (version > 1) keys.rows["version"] = version;
+    keys.states = without(keys.rows, "store_every");
+    keys.truth = without(keys.states, "segment_length");
+    keys.theta = Json::object();
+    if (study().target.inputs) keys.truth["begin"] = content_hash(begun_truth(study(), info()));
+    return keys;
+  }
+
+  std::unique_ptr<RowSimulator> open(const RowsConfig& config) const override {
+    return std::make_unique<ReplayedRows>(config.simulator, config.target);
+  }
+};
+
 }  // namespace
 
-// Settings that mean nothing to a simulator change nothing in it. A simulated target is one
-// segment.
-SourceKeys BuiltInSource::keys() const {
-  SourceKeys keys;
-  keys.rows = settings();
-  const int version = sim::rollout_version(study().simulator.name);
-  if (version > 1) keys.rows["version"] = version;
-  keys.states = without(keys.rows, "store_every");
-  keys.truth = without(keys.states, "segment_length");
-  keys.theta = Json::object();
-  if (study().target.inputs) keys.truth["begin"] = content_hash(begun_truth(study(), info()));
-  return keys;
-}
-
-std::unique_ptr<RowSimulator> BuiltInSource::open(const RowsConfig& config) const {
-  return std::make_unique<ReplayedRows>(config.simulator, config.target);
-}
-
-Target BuiltInSource::behave_by_itself() const {
-  const TargetConfig& target = study().target;
-  return sim::make_simulator(study().simulator)
-      ->behave(parameters().nominal(*target.truth), target.num_rollouts + target.held_out,
-               target.seed);
+std::unique_ptr<Source> make_built_in_source(const Study& study) {
+  return std::make_unique<BuiltInSource>(study);
 }
 
 }  // namespace npdr::pipeline

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "core/shell_text.h"
@@ -10,12 +11,6 @@
 
 namespace npdr::pipeline {
 namespace {
-
-// Replaces every occurrence, or adds the word at the end.
-std::string with_word(const std::string& text, const std::string& place, const std::string& word) {
-  const bool has_place = text.find(place) != std::string::npos;
-  return has_place ? replaced_all(text, place, word) : text + " " + word;
-}
 
 constexpr const char* kSeparators = " \t\n;&|<>()=";
 
@@ -93,9 +88,10 @@ std::string filled_command(const std::string& command, const std::filesystem::pa
                            const std::filesystem::path& x) {
   std::string text = command;
   text.erase(text.find_last_not_of(" \t\n") + 1);
-  const std::string theta_word = shell_word(theta), x_word = shell_word(x);
-  text = with_word(text, "{theta}", theta_word);
-  text = with_word(text, "{x}", x_word);
+  for (const auto& [place, path] : {std::pair("{theta}", theta), std::pair("{x}", x)}) {
+    const bool has_place = text.find(place) != std::string::npos;
+    text = has_place ? replaced_all(text, place, shell_word(path)) : text + " " + shell_word(path);
+  }
   return text;
 }
 

@@ -2,8 +2,23 @@
 
 #include "core/feature_names.h"
 #include "core/random.h"
+#include "pipeline/sources/row_simulator.h"
 
 namespace npdr::pipeline {
+
+sim::Trajectories as_simulated(const inference::Prior& prior, const RowMatrix& theta,
+                               const RowMatrix& x) {
+  const sim::Segments segments = feature_segments(x.cols());
+  sim::Trajectories result = sim::empty_trajectories(segments, x.rows(), 1);
+  for (Index i = 0; i < x.rows(); ++i) {
+    if (prior.contains(theta.row(i).transpose())) {
+      sim::store_states(segments, x.row(i).data(), 1, i, result);
+    } else {
+      sim::lose_row(i, sim::RolloutStatus::out_of_limits, result);
+    }
+  }
+  return result;
+}
 
 std::vector<Index> dataset_rows(std::uint64_t seed, Index num_rows, Index count) {
   Stream stream({seed, "dataset_rows", 0, 0, 0});

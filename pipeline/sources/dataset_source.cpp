@@ -1,38 +1,15 @@
-#include "pipeline/sources/dataset_source.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 
-#include "core/constants.h"
-#include "core/error.h"
-#include "pipeline/sources/lost_numbers.h"
+#include "pipeline/sources/dataset_rows.h"
 #include "pipeline/sources/precision.h"
+#include "pipeline/sources/row_simulator.h"
+#include "pipeline/sources/source_kinds.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
-
-sim::Trajectories as_simulated(const inference::Prior& prior, const RowMatrix& theta,
-                               const RowMatrix& x) {
-  sim::Trajectories result;
-  result.resize(x.rows(), 1, 1, x.cols());
-  for (Index i = 0; i < x.rows(); ++i) {
-    const std::span<float> row = result.row(i);
-    std::ranges::transform(x.row(i), row.begin(), [](double v) { return static_cast<float>(v); });
-    sim::RolloutStatus& status = result.status[static_cast<std::size_t>(i)];
-    if (!prior.contains(theta.row(i).transpose())) {
-      status = sim::RolloutStatus::out_of_limits;
-    } else if (!std::ranges::all_of(row, [](float v) { return std::isfinite(v); })) {
-      status = sim::RolloutStatus::diverged;
-    }
-    if (status == sim::RolloutStatus::ok) continue;
-    std::ranges::fill(row, kFloatNaN);
-  }
-  return result;
-}
-
 namespace {
 
 class DatasetRows final : public RowSimulator {
@@ -53,10 +30,11 @@ class DatasetRows final : public RowSimulator {
                                    [](auto status) { return status != sim::RolloutStatus::ok; });
     if (last != result.status.rend()) {
       const Index i = result.status.rend() - last - 1;
-      failure_ =
-          fmt::format("row {} of the dataset, {}", rows_[static_cast<std::size_t>(begin + i)] + 1,
-                      *last == sim::RolloutStatus::diverged ? words_of_lost_number(x.row(i))
-                                                            : words_of_outside(theta.row(i)));
+      const std::span row(x.row(i).data(), static_cast<std::size_t>(x.cols()));
+      failure_ = fmt::format(
+          "row {} of the dataset, {}", rows_[static_cast<std::size_t>(begin + i)] + 1,
+          *last == sim::RolloutStatus::diverged ? find_lost_number(row, dataset_.features(), 1)
+                                                : words_of_outside(theta.row(i)));
     }
     return result;
   }
@@ -68,26 +46,17 @@ class DatasetRows final : public RowSimulator {
   std::string last_failure() const override { return failure_; }
 
  private:
-  // "nan in 'omega'", of a row that has diverged.
-  std::string words_of_lost_number(const Eigen::RowVectorXd& x) const {
-    sim::Trajectories row;
-    row.resize(1, 1, 1, x.size());
-    row.status.front() = sim::RolloutStatus::diverged;
-    const std::span<const double> given(x.data(), static_cast<std::size_t>(x.size()));
-    return first_lost_number(given, row, dataset_.features(), 0).value().words;
-  }
-
   // "'mass' = 7, outside of the prior, [0, 1]".
   std::string words_of_outside(const Eigen::RowVectorXd& theta) const {
-    const auto outside = [&](Index d) {
-      const inference::Marginal& marginal = prior_.marginals()[static_cast<std::size_t>(d)];
-      return !inference::Prior({marginal}).contains(Vector::Constant(1, theta(d)));
+    const std::vector<inference::Marginal>& marginals = prior_.marginals();
+    const auto is_inside = [&](std::size_t d) {
+      const Vector value = Vector::Constant(1, theta(static_cast<Index>(d)));
+      return inference::Prior({marginals[d]}).contains(value);
     };
-    Index d = 0;
-    while (d + 1 < prior_.dimension() && !outside(d)) ++d;
-    const inference::Marginal& marginal = prior_.marginals()[static_cast<std::size_t>(d)];
-    return fmt::format("'{}' = {}, outside of the prior, [{}, {}]", marginal.name, theta(d),
-                       marginal.lower(), marginal.upper());
+    std::size_t d = 0;
+    while (d + 1 < marginals.size() && is_inside(d)) ++d;
+    return fmt::format("'{}' = {}, outside of the prior, [{}, {}]", marginals[d].name,
+                       theta(static_cast<Index>(d)), marginals[d].lower(), marginals[d].upper());
   }
 
   // Rows are all over the file, whose chunks may be compressed: as many are read at once as memory
@@ -116,26 +85,35 @@ class DatasetRows final : public RowSimulator {
   std::string failure_;
 };
 
+class DatasetSource final : public Source {
+ public:
+  using Source::Source;
+
+  SourceKeys keys() const override {
+    const std::string hash = file_hash(*study().external.dataset);
+    nlohmann::ordered_json json, theta;
+    theta["dataset"] = hash;
+    theta["order"] = "random";  // of the rows, in theta as in x
+    json["files"] = theta;
+    json["features"] = study().external.features;
+    json.update(own_settings());
+    return {json, json, json, theta};
+  }
+
+  std::optional<RowMatrix> theta(std::uint64_t seed, Index count) const override {
+    const DatasetFile dataset = open_dataset(study());
+    return dataset.theta(dataset_rows(seed, dataset.num_rows(), count));
+  }
+
+  std::unique_ptr<RowSimulator> open(const RowsConfig& config) const override {
+    return std::make_unique<DatasetRows>(study(), parameters(), config);
+  }
+};
+
 }  // namespace
 
-SourceKeys DatasetSource::keys() const {
-  const std::string hash = file_hash(*study().external.dataset);
-  nlohmann::ordered_json json, theta;
-  theta["dataset"] = hash;
-  theta["order"] = "random";  // of the rows, in theta as in x
-  json["files"] = theta;
-  json["features"] = study().external.features;
-  json.update(own_settings());
-  return {json, json, json, theta};
-}
-
-std::optional<RowMatrix> DatasetSource::theta(std::uint64_t seed, Index count) const {
-  const DatasetFile dataset = open_dataset(study());
-  return dataset.theta(dataset_rows(seed, dataset.num_rows(), count));
-}
-
-std::unique_ptr<RowSimulator> DatasetSource::open(const RowsConfig& config) const {
-  return std::make_unique<DatasetRows>(study(), parameters(), config);
+std::unique_ptr<Source> make_dataset_source(const Study& study) {
+  return std::make_unique<DatasetSource>(study);
 }
 
 }  // namespace npdr::pipeline

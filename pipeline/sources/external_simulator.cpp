@@ -34,15 +34,6 @@ std::string tail_of(const std::string& text) {
   return tail;
 }
 
-// Row i of `part` is that of `whole` with the number rows[i].
-void give_back(const sim::Trajectories& part, const std::vector<Index>& rows,
-               sim::Trajectories& whole) {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    std::ranges::copy(part.row(static_cast<Index>(i)), whole.row(rows[i]).begin());
-    whole.status[static_cast<std::size_t>(rows[i])] = part.status[i];
-  }
-}
-
 }  // namespace
 
 Index hopeless_rows(double max_failed_fraction) {
@@ -52,15 +43,10 @@ Index hopeless_rows(double max_failed_fraction) {
   return static_cast<Index>(std::max(rows, 4.0));
 }
 
-ExternalSimulator::ExternalSimulator(const ExternalConfig& external, sim::SimulatorInfo info,
-                                     std::unique_ptr<ProgramCall> program,
-                                     std::filesystem::path log, Index hopeless_rows)
-    : info_(std::move(info)),
-      folder_(external.folder),
-      time_limit_(external.time_limit),
-      start_time_(external.start_time),
-      retries_(external.retries),
-      program_(std::move(program)),
+ExternalSimulator::ExternalSimulator(Program program, std::filesystem::path log,
+                                     Index hopeless_rows)
+    : program_(std::move(program)),
+      call_(make_program_call(program_)),
       log_path_(std::move(log)),
       hopeless_rows_(hopeless_rows) {}
 
@@ -80,167 +66,174 @@ void ExternalSimulator::write_log() {
   }
 }
 
+std::uint64_t ExternalSimulator::Work::number(Index row) const {
+  return (first.row + static_cast<std::uint64_t>(row)) % kNoRow;
+}
+
+ExternalSimulator::Work ExternalSimulator::begin(const RowMatrix& theta, const StreamId& first,
+                                                 Index num_rows) const {
+  Work work{theta, first, num_rows, {}, {}};
+  work.result = sim::empty_trajectories(program_.segments, theta.rows(), program_.store_every);
+  for (Index i = 0; i < theta.rows(); ++i) {
+    if (sim::is_possible(theta.row(i), program_.info)) {
+      work.rows.push_back(i);
+    } else {
+      sim::lose_row(i, RolloutStatus::out_of_limits, work.result);
+    }
+  }
+  return work;
+}
+
 sim::Trajectories ExternalSimulator::simulate(const RowMatrix& theta, const StreamId& first,
                                               Index num_rows) {
-  std::vector<Index> possible;
-  Task whole{theta, std::max(num_rows, theta.rows()), {}, {}, {}};
-  for (Index i = 0; i < theta.rows(); ++i) {
-    whole.seeds.push_back(row_seed(first, i));
-    whole.rows.push_back(first.row + static_cast<std::uint64_t>(i));
-    if (sim::is_possible(theta.row(i), info_)) possible.push_back(i);
-  }
-  Task task = part_of(whole, possible);
-  if (!possible.empty()) solve(task, 0, task.theta.rows(), false);
-  repeat_named(task);
-  if (!task.named.empty()) loss_ = task.why;
-  count_last_named(task);
-  if (std::ssize(possible) == theta.rows()) return std::move(task.result);
-  sim::Trajectories all = program_->empty(theta.rows());
-  for (Index i = 0; i < theta.rows(); ++i) {
-    sim::lose_row(i, RolloutStatus::out_of_limits, all);
-  }
-  give_back(task.result, possible, all);
-  return all;
+  Work work = begin(theta, first, std::max(num_rows, theta.rows()));
+  if (!work.rows.empty()) solve(work, work.rows, false);
+  repeat_named(work);
+  if (!work.named.empty()) loss_ = work.why;
+  count_last_named(work);
+  return std::move(work.result);
 }
 
 double ExternalSimulator::time_limit(Index count, Index num_rows) const {
-  if (count == num_rows) return time_limit_;
+  const ExternalConfig& external = program_.external;
   const double share = static_cast<double>(count) / static_cast<double>(num_rows);
-  return std::min(time_limit_, start_time_ + share * time_limit_);
+  return std::min(external.time_limit, external.start_time + share * external.time_limit);
 }
 
-ExternalSimulator::Task ExternalSimulator::part_of(const Task& task,
-                                                   const std::vector<Index>& rows) const {
-  Task part{task.theta(rows, Eigen::all), task.num_rows, {}, {}, program_->empty(std::ssize(rows))};
-  for (const Index row : rows) {
-    part.seeds.push_back(task.seeds[static_cast<std::size_t>(row)]);
-    part.rows.push_back(task.rows[static_cast<std::size_t>(row)]);
-  }
-  return part;
-}
-
-// Rows [begin, end). `is_bad`: they are known to fail together.
-void ExternalSimulator::solve(Task& task, Index begin, Index end, bool is_bad) {
-  const Index count = end - begin;
-  const bool is_whole = count == task.theta.rows();
+// `is_bad`: the rows are known to fail together.
+void ExternalSimulator::solve(Work& work, Rows rows, bool is_bad) {
+  const bool is_one = rows.size() == 1, are_all = rows.size() == work.rows.size();
   RolloutStatus status = RolloutStatus::ok;
-  if (!is_bad || count == 1) {
-    const bool is_repeated = is_whole || count == 1;
-    if (is_repeated ? repeat(task, begin, end, status) : call(task, begin, end, status)) return;
+  if (!is_bad || is_one) {
+    status = is_one || are_all ? repeat(work, rows) : call(work, rows);
+    if (status == RolloutStatus::ok) return;
   }
-  if (count == 1) {
-    give_up(task, begin, status);
+  if (is_one) {
+    give_up(work, rows.front(), status);
     return;
   }
-  if (is_whole && !good_ && count > hopeless_rows_) require_a_good_row(task, begin, end);
-  const Index middle = begin + count / 2;
-  const Index lost_before = task.num_lost;
-  solve(task, begin, middle, false);
-  solve(task, middle, end, task.num_lost == lost_before);
+  if (are_all && !good_ && std::ssize(rows) > hopeless_rows_) require_a_good_row(work);
+  const std::size_t half = rows.size() / 2;
+  const Index lost_before = work.num_lost;
+  solve(work, rows.first(half), false);
+  solve(work, rows.subspan(half), work.num_lost == lost_before);
 }
 
 // Rows spread over the first call, which has failed.
-void ExternalSimulator::require_a_good_row(Task& task, Index begin, Index end) {
-  RolloutStatus status = RolloutStatus::ok;
+void ExternalSimulator::require_a_good_row(Work& work) {
+  const Rows rows = work.rows;
   for (Index k = 0; k < hopeless_rows_; ++k) {
-    const Index row = begin + k * (end - begin - 1) / (hopeless_rows_ - 1);
-    if (call(task, row, row + 1, status) && good_) return;
+    const Index at = k * (std::ssize(rows) - 1) / (hopeless_rows_ - 1);
+    const RolloutStatus status = call(work, rows.subspan(static_cast<std::size_t>(at), 1));
+    if (status == RolloutStatus::ok && good_) return;
   }
   fail(fmt::format("failed for each of {} rows", hopeless_rows_), last_failure_);
 }
 
 // Asks for the rows that the program named in one more call: the one before may have been to blame.
 // Calls that bring some of them back aren't counted.
-void ExternalSimulator::repeat_named(Task& task) {
-  for (Index attempt = 0; attempt < retries_ && !task.named.empty();) {
-    const std::vector<Index> rows(task.named.begin(), task.named.end());
-    Task again = part_of(task, rows);
-    RolloutStatus status = RolloutStatus::ok;
-    const bool is_done = call(again, 0, std::ssize(rows), status);
-    if (!is_done || again.named.size() == rows.size()) ++attempt;
-    if (!is_done) continue;
-    give_back(again.result, rows, task.result);
-    task.why = again.why;
-    task.named.clear();
-    for (const Index i : again.named) task.named.insert(rows[static_cast<std::size_t>(i)]);
+void ExternalSimulator::repeat_named(Work& work) {
+  for (Index attempt = 0; attempt < program_.external.retries && !work.named.empty();) {
+    const std::vector<Index> rows(work.named.begin(), work.named.end());
+    call(work, rows);
+    if (work.named.size() == rows.size()) ++attempt;
   }
 }
 
-bool ExternalSimulator::repeat(Task& task, Index begin, Index end, RolloutStatus& status) {
-  for (Index attempt = 0; attempt <= retries_; ++attempt) {
-    if (call(task, begin, end, status)) return true;
+RolloutStatus ExternalSimulator::repeat(Work& work, Rows rows) {
+  RolloutStatus status = call(work, rows);
+  for (Index i = 0; i < program_.external.retries && status != RolloutStatus::ok; ++i) {
+    status = call(work, rows);
   }
-  return false;
+  return status;
 }
 
-// One call. False, and the status of a row that it would be about, when it failed.
-bool ExternalSimulator::call(Task& task, Index begin, Index end, RolloutStatus& status) {
-  const Index count = end - begin;
-  const ProgramRows rows{
-      task.theta.middleRows(begin, count),
-      std::span(task.seeds)
-          .subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(count)),
-      task.rows[static_cast<std::size_t>(begin)] % kNoRow, time_limit(count, task.num_rows)};
+// One call. When it failed, the status of a row that it would be about.
+RolloutStatus ExternalSimulator::call(Work& work, Rows rows) {
+  const Index count = std::ssize(rows);
+  ProgramRows asked{work.theta(std::vector<Index>(rows.begin(), rows.end()), Eigen::all),
+                    {},
+                    work.number(rows.front()),
+                    time_limit(count, work.num_rows)};
+  for (const Index row : rows) asked.seeds.push_back(row_seed(work.first, row));
+  const ProgramReply reply = call_->call(asked);
   ++num_calls_;
-  sim::Trajectories result = program_->empty(count);
-  const ProgramOutcome outcome = program_->call(rows, result);
-  if (outcome.lost) {
-    const auto row = static_cast<std::size_t>(begin + outcome.lost->row);
-    lost_number_ = fmt::format("row {} has {}", task.rows[row] % kNoRow, outcome.lost->words);
-  }
-  note(fmt::format("call {}, {} rows from row {}: {}", num_calls_, count, rows.first_row,
-                   outcome.summary),
-       outcome, task);
-  if (outcome.cannot_run) fail("can't be run", outcome.problem + tail_of(outcome.output));
-  status = outcome.status;
-  if (!outcome.succeeded) {
-    report_note(fmt::format("a call of {} rows failed: {}", count, shortened(outcome.problem)));
-  }
-  if (!outcome.warnings.empty()) last_warnings_ = outcome.warnings;
-  if (!outcome.succeeded) return false;
-  const Index num_named = std::ranges::count(result.status, RolloutStatus::crashed);
-  if (num_named > 0) {
-    task.why = outcome.problem + tail_of(outcome.output);
+  note(fmt::format("call {}, {} rows from row {}: {}", num_calls_, count, asked.first_row,
+                   reply.summary),
+       reply, work);
+  if (reply.cannot_run) fail("can't be run", reply.problem + tail_of(reply.output));
+  if (!reply.warnings.empty()) last_warnings_ = reply.warnings;
+  if (reply.succeeded()) take(work, rows, reply);
+  const Index num_failed =
+      reply.succeeded() ? std::ranges::count(reply.row_status, RolloutStatus::crashed) : count;
+  if (num_failed > 0) {
+    if (reply.succeeded()) work.why = reply.problem + tail_of(reply.output);
     report_note(
-        fmt::format("{} of {} rows failed: {}", num_named, count, shortened(outcome.problem)));
+        fmt::format("{} of {} rows failed: {}", num_failed, count, shortened(reply.problem)));
   }
-  take(task, begin, result);
-  return true;
+  return reply.status;
 }
 
 // Rows that the program named need no further calls to be found.
-void ExternalSimulator::take(Task& task, Index begin, const sim::Trajectories& rows) {
-  std::ranges::copy(rows.values, task.result.row(begin).begin());
-  std::ranges::copy(rows.status, task.result.status.begin() + begin);
+void ExternalSimulator::take(Work& work, Rows rows, const ProgramReply& reply) {
+  const std::size_t size = reply.states.size() / rows.size();
+  std::string lost;
   std::optional<Index> good;
-  for (Index i = begin; i < begin + rows.num_rows; ++i) {
-    if (task.result.status[static_cast<std::size_t>(i)] == RolloutStatus::crashed) {
-      task.named.insert(i);
-    } else {
-      task.named.erase(i);
-      good = i;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Index row = rows[i];
+    if (reply.row_status[i] == RolloutStatus::crashed) {
+      sim::lose_row(row, RolloutStatus::crashed, work.result);
+      work.named.insert(row);
+      continue;
     }
+    const auto states = reply.states.subspan(i * size, size);
+    const std::string words = store(work, row, reply.row_status[i], states);
+    if (lost.empty()) lost = words;
+    work.named.erase(row);
+    good = row;
   }
-  if (good) keep_as_good(task, *good);
+  if (!lost.empty()) {
+    lost_number_ = lost;
+    log(lost + "\n");
+  }
+  if (good) keep_as_good(work, *good);
 }
 
-void ExternalSimulator::keep_as_good(const Task& task, Index row) {
-  good_ = part_of(task, {row});
+// Gives the words of a number that made the row diverge.
+std::string ExternalSimulator::store(Work& work, Index row, RolloutStatus status,
+                                     std::span<const double> states) const {
+  const sim::Segments& segments = program_.segments;
+  RolloutStatus& stored = work.result.status[static_cast<std::size_t>(row)];
+  stored = RolloutStatus::ok;
+  if (status == RolloutStatus::ok) {
+    sim::store_states(segments, states.data(), program_.store_every, row, work.result);
+  } else {
+    sim::lose_row(row, status, work.result);
+  }
+  if (stored != RolloutStatus::diverged) return "";
+  const std::string words = find_lost_number(states, program_.info.state_channels,
+                                             segments.num_steps() / segments.num_rollouts);
+  return words.empty() ? "" : fmt::format("row {} has {}", work.number(row), words);
+}
+
+void ExternalSimulator::keep_as_good(const Work& work, Index row) {
+  StreamId id = work.first;
+  id.row += static_cast<std::uint64_t>(row);
+  good_ = begin(work.theta.row(row), id, work.num_rows);
   num_lost_ = 0;
 }
 
-void ExternalSimulator::give_up(Task& task, Index row, RolloutStatus status) {
-  sim::lose_row(row, status, task.result);
-  task.named.erase(row);
-  ++task.num_lost;
+void ExternalSimulator::give_up(Work& work, Index row, RolloutStatus status) {
+  sim::lose_row(row, status, work.result);
+  ++work.num_lost;
   loss_ = last_failure_;
   count_lost(1);
 }
 
-void ExternalSimulator::count_last_named(const Task& task) {
-  Index count = 0;
-  while (task.named.contains(task.theta.rows() - 1 - count)) ++count;
-  count_lost(count);
+void ExternalSimulator::count_last_named(const Work& work) {
+  const auto is_named = [&](Index row) { return work.named.contains(row); };
+  const auto last = std::find_if_not(work.rows.rbegin(), work.rows.rend(), is_named);
+  count_lost(last - work.rows.rbegin());
 }
 
 // Of many rows in a row a good one tells whether they fail, or the program, its licence, the disk.
@@ -249,34 +242,34 @@ void ExternalSimulator::count_lost(Index count) {
   if (num_lost_ < hopeless_rows_) return;
   const Index num_lost = std::exchange(num_lost_, 0);
   if (!good_) fail(fmt::format("failed for each of {} rows", num_lost), last_failure_);
-  Task again = *std::exchange(good_, std::nullopt);
-  RolloutStatus status = RolloutStatus::ok;
-  if (repeat(again, 0, 1, status) && good_) return;
+  Work again = *std::exchange(good_, std::nullopt);
+  if (repeat(again, again.rows) == RolloutStatus::ok && good_) return;
   fail(fmt::format("failed for the last {} rows, and then for one that it had simulated before",
                    num_lost),
        last_failure_);
 }
 
 // Keeps the first failure: those after it are its repetitions, of fewer and fewer rows.
-void ExternalSimulator::note(const std::string& heading, const ProgramOutcome& outcome,
-                             Task& task) {
-  if (!outcome.problem.empty() && !task.has_failed) {
-    last_failure_ = outcome.problem + tail_of(outcome.output);
-    task.has_failed = true;
+void ExternalSimulator::note(const std::string& heading, const ProgramReply& reply, Work& work) {
+  if (!reply.problem.empty() && !work.has_failed) {
+    last_failure_ = reply.problem + tail_of(reply.output);
+    work.has_failed = true;
   }
+  log(heading + "\n");
+  if (!reply.problem.empty() && reply.problem != reply.summary) log(reply.problem + "\n");
+  log(reply.output);
+  if (!reply.output.empty() && reply.output.back() != '\n') log("\n");
+}
+
+void ExternalSimulator::log(const std::string& text) {
   if (log_.size() > kLargestLog) return;
-  log_ += heading + "\n";
-  if (!outcome.problem.empty() && outcome.problem != outcome.summary)
-    log_ += outcome.problem + "\n";
-  if (outcome.lost) log_ += lost_number_ + "\n";
-  log_ += outcome.output;
-  if (!outcome.output.empty() && outcome.output.back() != '\n') log_ += '\n';
-  if (log_.size() > kLargestLog) log_ += "... further calls aren't logged\n";
+  log_ += text;
+  if (log_.size() > kLargestLog) log_ += "\n... further calls aren't logged\n";
 }
 
 void ExternalSimulator::fail(const std::string& what, const std::string& why) const {
-  std::string text =
-      fmt::format("{} {}: {}\n  in the folder {}", program_->words(), what, why, folder_);
+  std::string text = fmt::format("{} {}: {}\n  in the folder {}", program_.words(), what, why,
+                                 program_.external.folder);
   if (!log_path_.empty()) text += "; all that it printed: " + log_path_.string();
   throw Error(text);
 }

@@ -9,14 +9,15 @@
 /// the seeds that it is given, a row's result doesn't depend on how the rows were split.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "core/finding.h"
 #include "core/random.h"
 #include "core/types.h"
 #include "pipeline/sources/program_call.h"
@@ -36,8 +37,7 @@ Index hopeless_rows(double max_failed_fraction);
 class ExternalSimulator {
  public:
   /// `log`: what all calls print, up to a MiB; empty: nowhere.
-  ExternalSimulator(const ExternalConfig& external, sim::SimulatorInfo info,
-                    std::unique_ptr<ProgramCall> program, std::filesystem::path log,
+  ExternalSimulator(Program program, std::filesystem::path log,
                     Index hopeless_rows = kHopelessRows);
   /// Brings the log to the disk.
   ~ExternalSimulator();
@@ -73,39 +73,42 @@ class ExternalSimulator {
   Index num_calls() const { return num_calls_; }
 
  private:
-  struct Task {
+  // Rows that were asked for, and what has become of them.
+  struct Work {
     RowMatrix theta;
-    Index num_rows;  ///< that the time limit is for
-    std::vector<std::uint32_t> seeds;
-    std::vector<std::uint64_t> rows;  ///< of the simulation, for people
+    StreamId first;           ///< of row 0
+    Index num_rows;           ///< that the time limit is for
+    std::vector<Index> rows;  ///< that can be simulated
     sim::Trajectories result;
     std::set<Index> named = {};  ///< rows that the program said to have failed
     std::string why = {};        ///< of the last of these
     Index num_lost = 0;          ///< rows that were given up
     bool has_failed = false;
-  };
 
-  Task part_of(const Task& task, const std::vector<Index>& rows) const;
-  void solve(Task& task, Index begin, Index end, bool is_bad);
-  void require_a_good_row(Task& task, Index begin, Index end);
-  void repeat_named(Task& task);
-  bool repeat(Task& task, Index begin, Index end, sim::RolloutStatus& status);
-  bool call(Task& task, Index begin, Index end, sim::RolloutStatus& status);
-  void take(Task& task, Index begin, const sim::Trajectories& rows);
-  void give_up(Task& task, Index row, sim::RolloutStatus status);
-  void keep_as_good(const Task& task, Index row);
-  void count_last_named(const Task& task);
+    std::uint64_t number(Index row) const;  ///< of the simulation, for people
+  };
+  using Rows = std::span<const Index>;
+
+  Work begin(const RowMatrix& theta, const StreamId& first, Index num_rows) const;
+  void solve(Work& work, Rows rows, bool is_bad);
+  void require_a_good_row(Work& work);
+  void repeat_named(Work& work);
+  sim::RolloutStatus repeat(Work& work, Rows rows);
+  sim::RolloutStatus call(Work& work, Rows rows);
+  void take(Work& work, Rows rows, const ProgramReply& reply);
+  std::string store(Work& work, Index row, sim::RolloutStatus status,
+                    std::span<const double> states) const;
+  void keep_as_good(const Work& work, Index row);
+  void give_up(Work& work, Index row, sim::RolloutStatus status);
+  void count_last_named(const Work& work);
   void count_lost(Index count);
-  void note(const std::string& heading, const ProgramOutcome& outcome, Task& task);
+  void note(const std::string& heading, const ProgramReply& reply, Work& work);
+  void log(const std::string& text);
   void write_log();
   [[noreturn]] void fail(const std::string& what, const std::string& why) const;
 
-  sim::SimulatorInfo info_;
-  std::string folder_;
-  double time_limit_;
-  double start_time_;
-  Index retries_;
-  std::unique_ptr<ProgramCall> program_;
+  Program program_;
+  std::unique_ptr<ProgramCall> call_;
   std::filesystem::path log_path_;
   std::string log_;
   std::string last_failure_;
@@ -114,7 +117,7 @@ class ExternalSimulator {
   Findings last_warnings_;
   Index num_calls_ = 0;
   Index hopeless_rows_;
-  std::optional<Task> good_;  ///< the last row that has a result
+  std::optional<Work> good_;  ///< the last row that has a result
   Index num_lost_ = 0;        ///< rows since then
 };
 

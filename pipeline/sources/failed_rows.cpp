@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <optional>
 #include <string_view>
@@ -16,35 +14,20 @@
 namespace npdr::pipeline {
 namespace {
 
-namespace fs = std::filesystem;
-
-// More than anybody reads, of a call and of a row.
-constexpr std::uintmax_t kMostBytes = 1 << 24;
-constexpr std::size_t kMostOfARow = 1000;
+constexpr std::size_t kMostOfARow = 1000;  // more than anybody reads
 
 [[noreturn]] void fail(const std::string& why) { throw InputError("NPDR_FAILED " + why); }
 
-// False: there is none.
-bool is_there(const fs::path& path) {
-  std::error_code error;
-  const fs::file_type type = fs::symlink_status(path, error).type();
-  if (type == fs::file_type::not_found) return false;
-  if (type != fs::file_type::regular) fail("must be a file");
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error || size > kMostBytes) {
-    fail(fmt::format("has {} bytes, must have {} or less: a line for each row that failed", size,
-                     kMostBytes));
-  }
-  return true;
-}
-
 }  // namespace
 
-std::map<Index, std::string> read_failed_rows(const fs::path& path, Index num_rows) {
+std::map<Index, std::string> read_failed_rows(const std::filesystem::path& path, Index num_rows) {
   std::map<Index, std::string> rows;
-  if (!is_there(path)) return rows;
+  std::error_code error;
+  const auto type = std::filesystem::symlink_status(path, error).type();
+  if (type == std::filesystem::file_type::not_found) return rows;
+  if (type != std::filesystem::file_type::regular) fail("must be a file");
   std::ifstream stream(path, std::ios::binary);
-  if (!stream) fail(fmt::format("can't be read: {}", std::strerror(errno)));
+  if (!stream) fail("can't be read");
   Index number = 0;
   for (std::string line; std::getline(stream, line);) {
     ++number;

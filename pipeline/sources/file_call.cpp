@@ -1,22 +1,24 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
+#include <cerrno>
+#include <fstream>
+#include <map>
 #include <mutex>
 #include <vector>
 
 #include "core/error.h"
 #include "core/feature_names.h"
+#include "core/file_error.h"
 #include "core/shell_call.h"
+#include "core/temporary_folder.h"
 #include "core/text.h"
 #include "pipeline/artefacts/feature_file.h"
-#include "pipeline/sources/call_files.h"
 #include "pipeline/sources/command_text.h"
 #include "pipeline/sources/failed_rows.h"
 #include "pipeline/sources/precision.h"
 #include "pipeline/sources/program_call.h"
-#include "pipeline/sources/python_path.h"
 #include "pipeline/store/column_labels.h"
+#include "pipeline/store/h5.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -33,148 +35,168 @@ std::unique_lock<std::mutex> lock_files(FileFormat format) {
   return format == FileFormat::hdf5 ? std::unique_lock(hdf5) : std::unique_lock<std::mutex>();
 }
 
-void take_features(const RowMatrix& x, sim::Trajectories& result) {
-  for (Index i = 0; i < x.rows(); ++i) {
-    const std::span<float> out = result.row(i);
-    std::ranges::transform(x.row(i), out.begin(), [](double v) { return static_cast<float>(v); });
-    const bool is_finite = std::ranges::all_of(out, [](float v) { return std::isfinite(v); });
-    if (!is_finite) sim::lose_row(i, RolloutStatus::diverged, result);
-  }
-}
-
-class FileCall final : public ProgramCall {
+// The files of one call. Names are absolute.
+class CallFiles {
  public:
-  FileCall(const ExternalConfig& external, const sim::SimulatorInfo& info,
-           const ProgramInputs* inputs, int threads)
-      : external_(external), info_(info), threads_(threads) {
-    if (inputs != nullptr) inputs_ = *inputs;
+  explicit CallFiles(FileFormat format)
+      : folder_("npdr-call", "calls of the simulator's command leave their files there"),
+        format_(format) {}
+
+  std::filesystem::path table(const std::string& name) const {
+    return folder_.path() / (name + (format_ == FileFormat::csv ? ".csv" : ".h5"));
+  }
+  std::filesystem::path text(const std::string& name) const {
+    return folder_.path() / (name + ".txt");
   }
 
-  ProgramOutcome call(const ProgramRows& rows, sim::Trajectories& result) override {
-    const CallFolder folder(external_.format);
-    const ShellCall shell = prepare(rows, folder);
-    const CallResult ended = run_shell(shell);
-    ProgramOutcome outcome;
-    outcome.summary = ended.words(shell.time_limit);
-    outcome.output = ended.output;
-    if (!ended.succeeded()) {
-      outcome.succeeded = false;
-      outcome.problem = outcome.summary;
-      outcome.status = ended.timed_out ? RolloutStatus::timed_out : RolloutStatus::crashed;
-      outcome.cannot_run =
-          !ended.timed_out && (ended.exit_status == kNotFound || ended.exit_status == kCannotRun);
-      return outcome;
-    }
-    try {
-      read_result(folder, result, outcome);
-    } catch (const InputError& error) {
-      outcome.succeeded = false;
-      outcome.status = RolloutStatus::bad_output;
-      outcome.problem = error.what();
-    }
-    return outcome;
+  // CSV with the digits that give back the same doubles, or the dataset `name` with the attribute
+  // `labels`.
+  void write_table(const std::string& name, const std::vector<std::string>& labels,
+                   const RowMatrix& values) const {
+    if (format_ == FileFormat::csv) return write(table(name), csv(labels, values));
+    h5::File file = h5::File::create(table(name));
+    h5::Dataset dataset = file.write(name, values, {.chunked = false});
+    dataset.set_attribute("labels", labels);
+    file.close();
   }
 
-  sim::Trajectories empty(Index num_rows) const override {
-    if (inputs_) return sim::empty_trajectories(inputs_->segments, num_rows, inputs_->store_every);
-    sim::Trajectories result;
-    result.resize(num_rows, 1, 1, std::ssize(info_.state_channels));
-    return result;
-  }
-
-  std::string words() const override {
-    return fmt::format("simulator.command = '{}'", *external_.command);
+  static void write(const std::filesystem::path& path, const std::string& text) {
+    std::ofstream stream(path, std::ios::binary);
+    stream << text;
+    stream.close();
+    if (!stream) throw_file_error(path, "write this file", errno);
   }
 
  private:
-  ShellCall prepare(const ProgramRows& rows, const CallFolder& folder) const {
-    std::map<std::string, std::string> environment = {
-        {"NPDR_SEEDS", folder.seeds()},
-        {"NPDR_FAILED", folder.failed()},
-        {"NPDR_FIRST_ROW", std::to_string(rows.first_row)},
-        {"PYTHONPATH", python_path()},
-        {"OMP_NUM_THREADS", std::to_string(threads_)}};
-    write_seeds_file(folder.seeds(), rows.seeds);
-    const std::unique_lock lock = lock_files(external_.format);
-    write_theta_file(folder.theta(), external_.format, info_.parameters, rows.theta);
-    if (inputs_) {
-      write_segment_files(folder, external_.format, info_, inputs_->segments);
-      environment["NPDR_SEGMENTS"] = folder.segments();
-      environment["NPDR_ACTIONS"] = folder.actions();
-      environment["NPDR_DT"] = fmt::format("{}", inputs_->segments.dt);
+  static std::string csv(const std::vector<std::string>& labels, const RowMatrix& values) {
+    fmt::memory_buffer text;
+    fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(labels, ","));
+    for (Index i = 0; i < values.rows(); ++i) {
+      fmt::format_to(std::back_inserter(text), "{}\n",
+                     fmt::join(values.row(i).begin(), values.row(i).end(), ","));
     }
-    return {{filled_command(*external_.command, folder.theta(), folder.x()), external_.folder,
-             environment},
-            rows.time_limit};
+    return fmt::to_string(text);
   }
 
-  // Of one rollout; of features 0.
-  Index num_steps() const {
-    return inputs_ ? inputs_->segments.num_steps() / inputs_->segments.num_rollouts : 0;
-  }
+  TemporaryFolder folder_;
+  FileFormat format_;
+};
 
-  // Throws InputError, as read_result().
-  RowMatrix read_rows(const CallFolder& folder, Index count) const {
-    const Index lines = inputs_ ? count * inputs_->segments.num_steps() : count;
-    const std::unique_lock lock = lock_files(external_.format);
+class FileCall final : public ProgramCall {
+ public:
+  explicit FileCall(const Program& program) : program_(program) {}
+
+  ProgramReply call(const ProgramRows& rows) override {
+    const CallFiles files(format());
+    const ShellCall shell{prepare(rows, files), rows.time_limit};
+    const CallResult ended = run_shell(shell);
+    ProgramReply reply;
+    reply.summary = ended.words(shell.time_limit);
+    reply.output = ended.output;
+    if (!ended.succeeded()) {
+      reply.problem = reply.summary;
+      reply.status = ended.timed_out ? RolloutStatus::timed_out : RolloutStatus::crashed;
+      reply.cannot_run =
+          !ended.timed_out && (ended.exit_status == kNotFound || ended.exit_status == kCannotRun);
+      return reply;
+    }
     try {
-      return read_features(folder.x(), external_.format, lines, info_.state_channels,
-                           {external_.names_from, true})
+      read_result(files, rows.theta.rows(), reply);
+    } catch (const InputError& error) {
+      reply.status = RolloutStatus::bad_output;
+      reply.problem = error.what();
+    }
+    return reply;
+  }
+
+ private:
+  FileFormat format() const { return program_.external.format; }
+
+  ShellCommand prepare(const ProgramRows& rows, const CallFiles& files) const {
+    ShellCommand command = program_.shell_command(
+        filled_command(*program_.external.command, files.table("theta"), files.table("x")));
+    command.environment["NPDR_SEEDS"] = files.text("seeds");
+    command.environment["NPDR_FAILED"] = files.text("failed");
+    command.environment["NPDR_FIRST_ROW"] = std::to_string(rows.first_row);
+    CallFiles::write(files.text("seeds"), fmt::format("{}\n", fmt::join(rows.seeds, "\n")));
+    const std::unique_lock lock = lock_files(format());
+    std::vector<std::string> names;
+    for (const sim::Parameter& parameter : program_.info.parameters)
+      names.push_back(parameter.name);
+    files.write_table("theta", names, rows.theta);
+    if (program_.gives_motion()) {
+      write_segments(files);
+      command.environment["NPDR_SEGMENTS"] = files.table("segments");
+      command.environment["NPDR_ACTIONS"] = files.table("actions");
+      command.environment["NPDR_DT"] = fmt::format("{}", program_.segments.dt);
+    }
+    return command;
+  }
+
+  // A row each segment: `steps`, `past` and its first state; a row each step: the actions.
+  void write_segments(const CallFiles& files) const {
+    const sim::Segments& segments = program_.segments;
+    std::vector<std::string> names = {"steps", "past"};
+    append(names, labels_of(program_.info.state_channels));
+    RowMatrix rows(segments.num_segments(), 2 + segments.num_states());
+    for (Index s = 0; s < rows.rows(); ++s) {
+      const auto i = static_cast<std::size_t>(s);
+      rows.row(s) << static_cast<double>(segments.steps[i]), static_cast<double>(segments.past[i]),
+          segments.first_states.row(s);
+    }
+    files.write_table("segments", names, rows);
+    files.write_table("actions", labels_of(program_.info.action_channels), segments.actions);
+  }
+
+  // Throws InputError.
+  void read_result(const CallFiles& files, Index num_rows, ProgramReply& reply) {
+    const auto failed = read_failed_rows(files.text("failed"), num_rows);
+    reply.row_status.assign(static_cast<std::size_t>(num_rows), RolloutStatus::ok);
+    for (const auto& [row, why] : failed) {
+      reply.row_status[static_cast<std::size_t>(row)] = RolloutStatus::crashed;
+    }
+    if (!failed.empty()) reply.problem = failed.rbegin()->second;
+    if (std::ssize(failed) == num_rows) return;
+    x_ = read_x(files, num_rows * program_.segments.num_steps());
+    reply.states = {x_.data(), static_cast<std::size_t>(x_.size())};
+    // Of motion the recording says it (first_rows.cpp).
+    if (!program_.gives_motion()) {
+      reply.warnings = find_lost_precision(x_, program_.info.state_channels);
+    }
+  }
+
+  RowMatrix read_x(const CallFiles& files, Index num_lines) const {
+    const std::unique_lock lock = lock_files(format());
+    try {
+      return read_features(files.table("x"), format(), num_lines, program_.info.state_channels,
+                           {program_.external.names_from, true})
           .x;
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}; x must have {}", error.what(), expected_columns()));
     }
   }
 
-  void read_result(const CallFolder& folder, sim::Trajectories& result,
-                   ProgramOutcome& outcome) const {
-    const auto failed = read_failed_rows(folder.failed(), result.num_rows);
-    RowMatrix x;
-    if (std::ssize(failed) < result.num_rows) {
-      x = read_rows(folder, result.num_rows);
-      inputs_ ? take_states(x, result) : take_features(x, result);
-    }
-    for (const auto& [row, why] : failed) sim::lose_row(row, RolloutStatus::crashed, result);
-    if (!failed.empty()) outcome.problem = failed.rbegin()->second;
-    outcome.lost = first_lost_number({x.data(), static_cast<std::size_t>(x.size())}, result,
-                                     info_.state_channels, num_steps());
-    // Of motion the recording says it (first_rows.cpp).
-    if (!inputs_) outcome.warnings = find_lost_precision(x, info_.state_channels);
-  }
-
-  void take_states(const RowMatrix& x, sim::Trajectories& result) const {
-    const Index row_size = inputs_->segments.num_steps() * x.cols();
-    for (Index i = 0; i < result.num_rows; ++i) {
-      sim::store_states(inputs_->segments, x.data() + i * row_size, inputs_->store_every, i,
-                        result);
-    }
-  }
-
   std::string expected_columns() const {
-    const std::string names = join(few_shortened(feature_names(info_.state_channels)));
-    const std::string columns = counted(std::ssize(info_.state_channels), "column");
-    if (!inputs_) {
-      return fmt::format("{}: {}, as simulator.features or else target.observation says", columns,
-                         names);
+    const std::vector<Channel>& channels = program_.info.state_channels;
+    const std::string columns = fmt::format("{}: {}", counted(std::ssize(channels), "column"),
+                                            join(few_shortened(feature_names(channels))));
+    if (!program_.gives_motion()) {
+      return columns + ", as simulator.features or else target.observation says";
     }
     return fmt::format(
-        "{}: {}, as simulator.states says, and {} for each simulation: the states of all segments, "
-        "one after the other",
-        columns, names, counted(inputs_->segments.num_steps(), "row"));
+        "{}, as simulator.states says, and {} for each simulation: the states of all segments, one "
+        "after the other",
+        columns, counted(program_.segments.num_steps(), "row"));
   }
 
-  ExternalConfig external_;
-  sim::SimulatorInfo info_;
-  std::optional<ProgramInputs> inputs_;
-  int threads_;
+  const Program& program_;
+  RowMatrix x_;
 };
 
 }  // namespace
 
-std::unique_ptr<ProgramCall> make_file_call(const ExternalConfig& external,
-                                            const sim::SimulatorInfo& info,
-                                            const ProgramInputs* inputs, int threads) {
-  return std::make_unique<FileCall>(external, info, inputs, threads);
+std::unique_ptr<ProgramCall> make_file_call(const Program& program) {
+  return std::make_unique<FileCall>(program);
 }
 
 }  // namespace npdr::pipeline

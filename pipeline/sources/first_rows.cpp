@@ -20,16 +20,6 @@ bool begins_late(const sim::Trajectories& x, Index row, const Target& recorded) 
   return true;
 }
 
-// Of rows that are the same, those with different theta.
-Index count_theta(const RowMatrix& theta, const std::vector<Index>& rows) {
-  std::vector<Index> different;
-  for (const Index row : rows) {
-    const auto is_same = [&](Index other) { return theta.row(row) == theta.row(other); };
-    if (std::ranges::none_of(different, is_same)) different.push_back(row);
-  }
-  return std::ssize(different);
-}
-
 // Finite rows, in groups of the same x.
 std::vector<std::vector<Index>> groups_of(const RowMatrixF& x) {
   std::vector<std::vector<Index>> groups;
@@ -102,27 +92,33 @@ Findings find_late_states(const sim::Trajectories& x, const Target& recorded) {
 }
 
 Findings find_same_rows(const RowMatrix& theta, const RowMatrixF& x) {
-  constexpr Index fewest_alike = 3;
+  constexpr Index fewest_alike = 3, fewest_of_all = 8;
   constexpr double usual_share = 0.9;  // of others: counts are often the same
+  const auto groups = groups_of(x);
+  if (groups.empty()) return {};
+  if (groups.size() == 1 && std::ssize(groups.front()) >= fewest_of_all) {
+    return {warning(
+        fmt::format("all of the first {} rows are the same, whatever their parameters", x.rows()))};
+  }
   const auto is_count = [](float value) { return !(std::abs(value - std::round(value)) > 0.0f); };
   if (x.cols() == 1 || std::ranges::all_of(x.reshaped(), is_count)) return {};
-  Index num_finite = 0, unique = 0, most = 0, largest = 0;
-  for (const std::vector<Index>& rows : groups_of(x)) {
-    num_finite += std::ssize(rows);
+  Index others = 0, unique = 0;
+  const auto size = [](const std::vector<Index>& rows) { return rows.size(); };
+  const std::vector<Index>& largest = *std::ranges::max_element(groups, {}, size);
+  for (const std::vector<Index>& rows : groups) {
+    others += &rows == &largest ? 0 : std::ssize(rows);
     unique += rows.size() == 1 ? 1 : 0;
-    if (std::ssize(rows) <= largest) continue;
-    largest = std::ssize(rows);
-    most = count_theta(theta, rows);
   }
-  const Index others = num_finite - largest;
+  const Index most = 1 + std::ranges::count_if(largest, [&](Index row) {
+                       return theta.row(row) != theta.row(largest.front());
+                     });
   if (most < fewest_alike || others < fewest_alike ||
       static_cast<double>(unique) < usual_share * static_cast<double>(others)) {
     return {};
   }
   return {warning(fmt::format(
-      "{} of the first {} rows are the same to the last bit, though their parameters differ, and "
-      "hardly any others are: if that stands for a failure, let them fail, or write NaN, or "
-      "posteriors are those of a simulator that gives it",
+      "{} of the first {} rows are the same to the last bit, though their parameters differ: if "
+      "that stands for a failure, let them fail, or write NaN, or posteriors are wrong",
       most, x.rows()))};
 }
 

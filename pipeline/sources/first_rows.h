@@ -29,9 +29,9 @@ Findings find_outliers(const FirstRows& rows);
 Findings find_late_states(const sim::Trajectories& x, const Target& recorded);
 
 /// How many of the rows of x (n, F), the first of a simulation, are the same to the last bit though
-/// their theta (n, P) differ, where that are three or more and nine tenths of the others are like
-/// no other. Rows that aren't finite don't count; nothing is said of a single column, which may be
-/// censored, and of whole numbers, which may all be 0.
+/// their theta (n, P) differ: all, of eight or more, or three or more where nine tenths of the
+/// others are like no other. Rows that aren't finite don't count; the latter isn't said of a single
+/// column, which may be censored, and of whole numbers, which may all be 0.
 Findings find_same_rows(const RowMatrix& theta, const RowMatrixF& x);
 
 }  // namespace npdr::pipeline

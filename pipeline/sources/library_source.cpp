@@ -1,8 +1,10 @@
-#include "pipeline/sources/library_source.h"
+#include <memory>
 
 #include "pipeline/config/library_config.h"
 #include "pipeline/sources/file_hashes.h"
+#include "pipeline/sources/source_kinds.h"
 #include "pipeline/store/hash.h"
+#include "sim/library/library_simulator.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -29,33 +31,42 @@ class LibraryRows final : public RowSimulator {
   Index store_every_;
 };
 
+class LibrarySource final : public Source {
+ public:
+  explicit LibrarySource(const Study& study)
+      : Source(study), simulator_(std::make_shared<sim::LibrarySimulator>(library_config(study))) {}
+
+  SourceKeys keys() const override {
+    const ExternalConfig& external = study().external;
+    nlohmann::ordered_json json;
+    if (external.library) {
+      json["library"] = file_hash(*external.library);
+    } else {
+      json["mjcf"] = {{"states", external.states}, {"actions", external.actions}};
+    }
+    json.update(own_settings());
+    Hasher fingerprint;
+    fingerprint.add(simulator_->fingerprint());
+    json["fingerprint"] = fingerprint.hex();
+    if (!external.files.empty()) {
+      json["further_files"] = FileHashes(external.files, external.folder).by_name();
+    }
+    json["parameters"] = study().simulator.parameters;
+    return keys_of_motion(json);
+  }
+
+  std::unique_ptr<RowSimulator> open(const RowsConfig& config) const override {
+    return std::make_unique<LibraryRows>(simulator_, config);
+  }
+
+ private:
+  std::shared_ptr<const sim::LibrarySimulator> simulator_;
+};
+
 }  // namespace
 
-LibrarySource::LibrarySource(Study study)
-    : Source(std::move(study)),
-      simulator_(std::make_shared<sim::LibrarySimulator>(library_config(this->study()))) {}
-
-SourceKeys LibrarySource::keys() const {
-  const ExternalConfig& external = study().external;
-  nlohmann::ordered_json json;
-  if (external.library) {
-    json["library"] = file_hash(*external.library);
-  } else {
-    json["mjcf"] = {{"states", external.states}, {"actions", external.actions}};
-  }
-  json.update(own_settings());
-  Hasher fingerprint;
-  fingerprint.add(simulator_->fingerprint());
-  json["fingerprint"] = fingerprint.hex();
-  if (!external.files.empty()) {
-    json["further_files"] = FileHashes(external.files, external.folder).by_name();
-  }
-  json["parameters"] = study().simulator.parameters;
-  return keys_of_motion(json);
-}
-
-std::unique_ptr<RowSimulator> LibrarySource::open(const RowsConfig& config) const {
-  return std::make_unique<LibraryRows>(simulator_, config);
+std::unique_ptr<Source> make_library_source(const Study& study) {
+  return std::make_unique<LibrarySource>(study);
 }
 
 }  // namespace npdr::pipeline

@@ -31,9 +31,9 @@ Findings find_lost_precision(const RowMatrix& x, const std::vector<Channel>& col
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const Eigen::ArrayXd values = x.col(static_cast<Index>(c))(rows);
     const double mean = values.mean();
-    const double largest = (values - mean).abs().maxCoeff();  // whose square may be 0
+    // Stable: squares of small deviations may be 0.
     const double deviation =
-        largest > 0.0 ? largest * std::sqrt(((values - mean) / largest).square().mean()) : 0.0;
+        (values - mean).matrix().stableNorm() / std::sqrt(static_cast<double>(values.size()));
     const double smallest =
         kSmallest * std::abs(mean) + inference::FeatureTransform::kLeastDeviation;
     const bool is_lost = deviation <= smallest && deviation > kRounding * std::abs(mean);

@@ -1,18 +1,18 @@
-#include "pipeline/sources/program_source.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 
-#include "core/error.h"
 #include "core/parallel.h"
-#include "pipeline/artefacts/feature_file.h"
 #include "pipeline/sources/command_text.h"
 #include "pipeline/sources/external_simulator.h"
+#include "pipeline/sources/file_hashes.h"
+#include "pipeline/sources/source_kinds.h"
 
 namespace npdr::pipeline {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 // Rows that a worker is asked for at once, a thread: few at first, then as many as take about as
 // long as people like to wait for progress, or longer where more at once are faster, and as fit
@@ -33,23 +33,19 @@ class ProgramRowSimulator final : public RowSimulator {
         stays_(study.source().kind == SourceKind::worker),
         rows_per_block_(study.simulate.shard_size),
         num_rows_(config.num_rows) {
-    const ExternalConfig& external = study.external;
-    const Index threads = num_threads(), wanted = external.parallel_calls;
+    const Index threads = num_threads(), wanted = study.external.parallel_calls;
     const Index calls = wanted == 0 ? threads : std::min(wanted, threads);
-    ProgramInputs inputs;
-    const bool gives_motion = study.source().gives_motion;
-    if (gives_motion) {
-      inputs = {sim::cut(config.target, config.simulator.segment_length),
-                config.simulator.store_every};
+    Program program{study.external, info, feature_segments(std::ssize(info.state_channels)), 1,
+                    static_cast<int>(threads / calls)};
+    if (program.gives_motion()) {
+      program.segments = sim::cut(config.target, config.simulator.segment_length);
+      program.store_every = config.simulator.store_every;
     }
-    const auto share = static_cast<int>(threads / calls);
+    const Index hopeless =
+        num_rows_ > 0 ? hopeless_rows(study.limits.max_failed_fraction) : kHopelessRows;
     for (Index c = 0; c < calls; ++c) {
-      auto program = stays_
-                         ? make_worker_call(external, info, inputs, share)
-                         : make_file_call(external, info, gives_motion ? &inputs : nullptr, share);
-      simulators_.push_back(std::make_unique<ExternalSimulator>(
-          external, info, std::move(program), std::filesystem::path(),
-          num_rows_ > 0 ? hopeless_rows(study.limits.max_failed_fraction) : kHopelessRows));
+      simulators_.push_back(
+          std::make_unique<ExternalSimulator>(program, std::filesystem::path(), hopeless));
     }
     log_to(config.log);
   }
@@ -152,49 +148,43 @@ const std::string& command_of(const ExternalConfig& external) {
   return external.worker ? *external.worker : *external.command;
 }
 
+class ProgramSource final : public Source {
+ public:
+  explicit ProgramSource(const Study& study)
+      : Source(study),
+        named_(named_paths(command_of(study.external), study.external.folder),
+               study.external.folder),
+        further_(study.external.files, study.external.folder) {}
+
+  SourceKeys keys() const override {
+    const ExternalConfig& external = study().external;
+    Json json;
+    json["files"] = named_.by_name();
+    if (!external.files.empty()) json["further_files"] = further_.by_name();
+    if (!traits().gives_motion) json["features"] = external.features;
+    json.update(own_settings());
+    json["parameters"] = study().simulator.parameters;
+    for (const DescribedParameter& p : external.parameters) {
+      const auto number = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };
+      json["described"].push_back({p.name, number(p.nominal), number(p.lower), number(p.upper)});
+    }
+    return traits().gives_motion ? keys_of_motion(json)
+                                 : SourceKeys{json, json, json, Json::object()};
+  }
+
+  std::unique_ptr<RowSimulator> open(const RowsConfig& config) const override {
+    return std::make_unique<ProgramRowSimulator>(study(), info(), config,
+                                                 std::vector{named_, further_});
+  }
+
+ private:
+  FileHashes named_, further_;
+};
+
 }  // namespace
 
-ProgramSource::ProgramSource(Study given)
-    : Source(std::move(given)),
-      named_(named_paths(command_of(study().external), study().external.folder),
-             study().external.folder),
-      further_(study().external.files, study().external.folder) {}
-
-SourceKeys ProgramSource::keys() const {
-  const ExternalConfig& external = study().external;
-  using Json = nlohmann::ordered_json;
-  Json json;
-  json["files"] = named_.by_name();
-  if (!external.files.empty()) json["further_files"] = further_.by_name();
-  if (!traits().gives_motion) json["features"] = external.features;
-  json.update(own_settings());
-  json["parameters"] = study().simulator.parameters;
-  for (const DescribedParameter& p : external.parameters) {
-    const auto number = [](const std::optional<double>& v) { return v ? Json(*v) : Json(); };
-    json["described"].push_back({p.name, number(p.nominal), number(p.lower), number(p.upper)});
-  }
-  return traits().gives_motion ? keys_of_motion(json)
-                               : SourceKeys{json, json, json, nlohmann::ordered_json::object()};
-}
-
-std::unique_ptr<RowSimulator> ProgramSource::open(const RowsConfig& config) const {
-  return std::make_unique<ProgramRowSimulator>(study(), info(), config,
-                                               std::vector{named_, further_});
-}
-
-Target ProgramSource::behave_in_features(const std::filesystem::path& log) const {
-  const TargetConfig& target = study().target;
-  const auto rows = open({.log = log});
-  const sim::Trajectories x = rows->simulate(parameters().nominal(*target.truth).transpose(),
-                                             {target.seed, kTruthStream, 0, 0, 0});
-  if (x.status.front() == sim::RolloutStatus::ok) {
-    return observation_target(info().state_channels,
-                              x.rollout(0, 0).row(0).cast<double>().transpose(),
-                              "simulated at the truth");
-  }
-  throw Error(fmt::format("target.truth: simulator.command = '{}' gives no x_o there ({}): {}",
-                          *study().external.command, sim::to_string(x.status.front()),
-                          rows->last_failure()));
+std::unique_ptr<Source> make_program_source(const Study& study) {
+  return std::make_unique<ProgramSource>(study);
 }
 
 }  // namespace npdr::pipeline

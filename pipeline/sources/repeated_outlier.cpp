@@ -53,12 +53,6 @@ void RepeatedOutliers::observe(const Eigen::Ref<const RowMatrixF>& x) {
   }
 }
 
-bool RepeatedOutliers::are_rows_same() const {
-  return !columns_.empty() && std::ranges::all_of(columns_, [](const Ends& ends) {
-    return ends.smallest.num_outermost > 1 && ends.smallest.num_others == 0;
-  });
-}
-
 Findings RepeatedOutliers::find(const std::vector<Channel>& columns) const {
   if (columns.size() != columns_.size()) throw ShapeError("outliers: another number of names");
   std::vector<std::string> found;

@@ -22,9 +22,6 @@ class RepeatedOutliers {
   /// Which of the columns, whose names these are. Throws ShapeError for another number of names.
   Findings find(const std::vector<Channel>& columns) const;
 
-  /// All of several rows are the same, but for what isn't finite; not of no columns.
-  bool are_rows_same() const;
-
  private:
   // One end of a column's numbers, in the order of `sign` times them.
   struct End {

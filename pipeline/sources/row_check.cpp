@@ -79,52 +79,37 @@ StreamId stream_of(const GivenRows& rows, Index i) {
   return id;
 }
 
-// Whether row i, simulated alone, is the same again; if not, whether it is one other row of the
-// call, or several that are all the same, such as those where nothing happened.
-enum class Repetition { same, other_row, one_of_several, different };
-
-struct Repeated {
-  Repetition result;
-  Index other = 0;
-};
-
-Repeated repeat(RowSimulator& simulator, const GivenRows& rows, Index i,
-                const std::vector<Index>& good, const RowDistance& distance) {
-  const sim::Trajectories again = simulator.simulate(rows.complete.row(i), stream_of(rows, i));
-  const bool failed = !is_good(again, 0);  // which is counted elsewhere
-  if (failed || distance(again.row(0), rows.result.row(i)) < kSame) return {Repetition::same};
-  Index num_found = 0, found = 0;
-  for (const Index j : good) {
-    if (distance(again.row(0), rows.result.row(j)) >= kIdentical) continue;
-    found = j;
-    ++num_found;
-  }
-  if (num_found == 0) return {Repetition::different};
-  return num_found == 1 ? Repeated{Repetition::other_row, found}
-                        : Repeated{Repetition::one_of_several};
+// Rows of the call that are the same numbers as row 0 of `again`, but for how they were rounded.
+std::vector<Index> rows_like(const sim::Trajectories& again, const GivenRows& rows,
+                             const std::vector<Index>& good, const RowDistance& distance) {
+  std::vector<Index> alike;
+  std::ranges::copy_if(good, std::back_inserter(alike), [&](Index j) {
+    return distance(again.row(0), rows.result.row(j)) < kIdentical;
+  });
+  return alike;
 }
 
 // Whether rows are the same again. Random numbers that aren't the row's own are no other order,
-// even where one row happens to be like another: that is one only if all that moved are other rows.
+// even where one row happens to be like another: that is one only if all that have changed are
+// other rows, or like several that are all the same, such as those where nothing happened.
 bool are_repeatable(RowSimulator& simulator, const GivenRows& rows, const std::vector<Index>& good,
                     const std::vector<Index>& telling, const RowDistance& distance) {
-  Index row = 0, other = 0, num_moved = 0, num_unclear = 0;
-  bool is_certain = true;
-  for (Index k = 1; k <= kMostRepeated && is_certain; ++k) {
-    if (k > kRepeated && num_moved + num_unclear == 0) break;
+  Index row = 0, other = 0, num_moved = 0, num_changed = 0;
+  for (Index k = 1; k <= kMostRepeated && (k <= kRepeated || num_changed > 0); ++k) {
     const Index i =
         telling[static_cast<std::size_t>((k * std::ssize(telling) - 1) / kMostRepeated)];
-    const Repeated found = repeat(simulator, rows, i, good, distance);
-    is_certain = found.result != Repetition::different;
-    num_unclear += found.result == Repetition::one_of_several ? 1 : 0;
-    if (found.result != Repetition::other_row) continue;
+    const sim::Trajectories again = simulator.simulate(rows.complete.row(i), stream_of(rows, i));
+    const bool failed = !is_good(again, 0);  // which is counted elsewhere
+    if (failed || distance(again.row(0), rows.result.row(i)) < kSame) continue;
+    const std::vector<Index> alike = rows_like(again, rows, good, distance);
+    if (alike.empty()) return false;
+    ++num_changed;
+    if (alike.size() > 1) continue;
     row = i;
-    other = found.other;
+    other = alike.front();
     ++num_moved;
   }
-  if (!is_certain) return false;
-  if (num_moved + num_unclear == 0) return true;
-  if (num_moved < 2) return false;
+  if (num_moved < 2) return num_changed == 0;
   const auto number = [&](Index i) { return rows.first.row + static_cast<std::uint64_t>(i); };
   throw InputError(fmt::format(
       "the simulator gives rows in another order than those of theta: row {} on its own gives what "
@@ -160,23 +145,20 @@ Findings check_rows(RowSimulator& simulator, const GivenRows& rows, bool has_noi
   const std::vector<Index> good = good_rows(rows.result);
   if (std::ssize(good) < kFewestRows) return {};
   const RowDistance distance(rows.result, good);
-  if (!distance.any_varies()) return {warning(kSameRows)};
+  if (!distance.any_varies()) return {};
   Findings found;
   const std::vector<Index> telling = telling_rows(rows.result, good);
-  const Index middle = telling[telling.size() / 2];
-  const bool is_repeatable = are_repeatable(simulator, rows, good, telling, distance);
-  if (!is_repeatable) {
+  if (!are_repeatable(simulator, rows, good, telling, distance)) {
     found.push_back(warning(
-        "a row that is simulated again on its own, with the same parameters and seed, is another: "
-        "it depends on the other rows of its call, on calls before it, or on random numbers that "
-        "aren't made from the row's seed alone; npdr verify and runs that are repeated get other "
-        "rows"));
+        "a row that is simulated again, alone, with the same parameters and seed is another: runs "
+        "that are repeated get other rows; make its random numbers from the row's seed alone, and "
+        "let nothing depend on other rows and earlier calls"));
   }
-  const Noise noise = noise_of(simulator, rows, middle, distance);
+  const Noise noise = noise_of(simulator, rows, telling[telling.size() / 2], distance);
   if (noise == Noise::shared) {
     found.push_back(warning(
-        "all rows of a call share their noise: with the same parameters and different seeds they "
-        "are the same; draw each row's from its own seed, or the posterior is too narrow"));
+        "all rows of a call share their noise, so the posterior is too narrow; draw each row's "
+        "from its own seed"));
   } else if (noise == Noise::none && !has_noise) {
     found.push_back(warning(
         "rows of the same parameters are the same, whatever their seeds, and the study adds no "

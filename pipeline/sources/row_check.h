@@ -14,13 +14,10 @@ struct GivenRows {
   StreamId first;
 };
 
-/// What is wrong with rows that are all the same.
-inline constexpr const char* kSameRows = "all rows are the same, whatever their parameters";
-
 /// Simulates two of the rows again, each alone (up to six where one is another), and one of them
-/// with other random numbers. Finds rows that differ when
-/// they are repeated, noise that all rows of a call share, no noise at all unless `has_noise` says
-/// that the study adds some. Fewer than eight good rows aren't judged. Throws InputError where rows
+/// with other random numbers. Finds rows that differ when they are repeated, noise that all rows of
+/// a call share, no noise at all unless `has_noise` says that the study adds some. Fewer than eight
+/// good rows aren't judged, and none that are all the same. Throws InputError where rows
 /// come in another order than theta's, and what RowSimulator::simulate() throws.
 Findings check_rows(RowSimulator& simulator, const GivenRows& rows, bool has_noise);
 

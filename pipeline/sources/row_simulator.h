@@ -3,10 +3,15 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "core/finding.h"
 #include "core/random.h"
+#include "core/target.h"
+#include "core/types.h"
+#include "sim/segments.h"
 #include "sim/trajectories.h"
 
 namespace npdr::pipeline {
@@ -49,6 +54,15 @@ class RowSimulator {
 inline Eigen::Map<const RowMatrixF> features_of(const sim::Trajectories& x) {
   return {x.values.data(), x.num_rows, x.row_size()};
 }
+
+/// Features as the states of a rollout of one step.
+sim::Segments feature_segments(Index num_features);
+
+/// The first number of a row that isn't finite, or isn't one that a float holds: "nan in 'omega',
+/// step 17 of rollout 2". `row`: (N, C), N steps of all rollouts; without the step where
+/// `num_steps`, those of one rollout, is 1, as of features. "": there is none.
+std::string find_lost_number(std::span<const double> row, const std::vector<Channel>& channels,
+                             Index num_steps);
 
 /// The seed of row `i` after the row that `first` names: one that fits into a signed 32-bit
 /// integer, as many programs want it.

@@ -10,10 +10,8 @@
 #include "pipeline/config/simulator_info.h"
 #include "pipeline/config/source_check.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/sources/built_in_source.h"
-#include "pipeline/sources/dataset_source.h"
-#include "pipeline/sources/library_source.h"
-#include "pipeline/sources/program_source.h"
+#include "pipeline/sources/dataset_rows.h"
+#include "pipeline/sources/source_kinds.h"
 #include "pipeline/sources/truth_inputs.h"
 
 namespace npdr::pipeline {
@@ -22,21 +20,23 @@ Source::Source(Study study)
     : study_(std::move(study)), info_(simulator_info(study_)), parameters_(study_, info_) {}
 
 Target Source::behave(const std::filesystem::path& log) const {
-  if (!traits().gives_motion) return behave_in_features(log);
-  const bool replays = study_.target.inputs || !traits().is_built_in;
-  Target all = replays ? replay_truth(begun_truth(study_, info_), log) : behave_by_itself();
+  const TargetConfig& target = study_.target;
+  Target all;
+  if (traits().is_built_in && !target.inputs) {
+    all = sim::make_simulator(study_.simulator)
+              ->behave(parameters_.nominal(*target.truth), target.num_rollouts + target.held_out,
+                       target.seed);
+  } else if (traits().gives_motion) {
+    all = replay_truth(begun_truth(study_, info_), log);
+  } else {
+    const Vector unknown = Vector::Zero(std::ssize(info_.state_channels));
+    all = replay_truth(observation_target(info_.state_channels, unknown, "simulated at the truth"),
+                       log);
+  }
   for (Index h = 0; h < all.num_rollouts(); ++h) {
     all.rollouts[static_cast<std::size_t>(h)].number = h;
   }
   return all;
-}
-
-Target Source::behave_by_itself() const {
-  throw Error(fmt::format("target.truth: a {} has no behavior policy", traits().name));
-}
-
-Target Source::behave_in_features(const std::filesystem::path& /*log*/) const {
-  throw Error(fmt::format("target.truth: a {} can't be asked what it gives there", traits().name));
 }
 
 Target Source::replay_truth(Target begun, const std::filesystem::path& log) const {
@@ -50,8 +50,8 @@ Target Source::replay_truth(Target begun, const std::filesystem::path& log) cons
   if (x.status.front() != sim::RolloutStatus::ok) {
     const std::string why = rows->last_failure();
     throw Error(
-        fmt::format("target.truth: the simulation there ends as {}{}; choose a truth that "
-                    "can be simulated, or see what the simulator makes of it",
+        fmt::format("target.truth: the simulation there ends as {}{}; choose a truth that can be "
+                    "simulated",
                     sim::to_string(x.status.front()), why.empty() ? "" : ": " + why));
   }
   for (Index h = 0; h < begun.num_rollouts(); ++h) {
@@ -85,16 +85,16 @@ std::unique_ptr<Source> make_source(const Study& study) {
     case SourceKind::command:
     case SourceKind::motion_command:
     case SourceKind::worker:
-      return std::make_unique<ProgramSource>(study);
+      return make_program_source(study);
     case SourceKind::library:
     case SourceKind::mjcf:
-      return std::make_unique<LibrarySource>(study);
+      return make_library_source(study);
     case SourceKind::dataset:
-      return std::make_unique<DatasetSource>(study);
+      return make_dataset_source(study);
     case SourceKind::built_in:
       break;
   }
-  return std::make_unique<BuiltInSource>(study);
+  return make_built_in_source(study);
 }
 
 std::optional<Target> resolve_source(Study& study) {

@@ -56,17 +56,12 @@ class Source {
   /// Opens the simulator of rows. Throws InputError for settings, or a dataset, that can't be used.
   virtual std::unique_ptr<RowSimulator> open(const RowsConfig& config) const = 0;
 
-  /// The simulated target domain, held-out rollouts last, numbered in that order. Throws Error when
-  /// its simulation fails.
+  /// The simulated target domain, held-out rollouts last, numbered in that order; of a source that
+  /// gives features x_o at the truth. Throws Error when its simulation fails.
   Target behave(const std::filesystem::path& log) const;
 
  protected:
   const Study& study() const { return study_; }
-
-  /// Rollouts under the simulator's own behavior policy.
-  virtual Target behave_by_itself() const;
-  /// x_o at the truth, of a source that gives features.
-  virtual Target behave_in_features(const std::filesystem::path& log) const;
 
   /// Settings of the table [simulator] that rows depend on as they stand; what a source notes down
   /// in another form is not among them.

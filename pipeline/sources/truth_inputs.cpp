@@ -29,9 +29,7 @@ Target resting_inputs(const Study& study, const sim::SimulatorInfo& info) {
   const auto& states = study.external.initial_states;
   const Index count = study.target.num_rollouts + study.target.held_out;
   for (Index h = 0; h < count; ++h) {
-    const std::vector<double> first = states.empty()
-                                          ? std::vector<double>()
-                                          : states[static_cast<std::size_t>(h) % states.size()];
+    const std::vector<double>& first = states[static_cast<std::size_t>(h) % states.size()];
     if (std::ssize(first) != target.num_states()) {
       throw InputError(
           fmt::format("simulator.initial_states has a list of {}, must have {}: the "
@@ -40,9 +38,7 @@ Target resting_inputs(const Study& study, const sim::SimulatorInfo& info) {
     }
     Rollout rollout{std::to_string(h), RowMatrix::Zero(info.num_steps + 1, target.num_states()),
                     RowMatrix::Zero(info.num_steps, target.num_actions())};
-    for (Index c = 0; c < target.num_states(); ++c) {
-      rollout.states(0, c) = first[static_cast<std::size_t>(c)];
-    }
+    rollout.states.row(0) = Eigen::Map<const Eigen::RowVectorXd>(first.data(), std::ssize(first));
     target.rollouts.push_back(std::move(rollout));
   }
   return target;

@@ -2,9 +2,8 @@
 
 #include "analysis/floor.h"
 #include "core/stop_request.h"
-#include "pipeline/artefacts/baseline_file.h"
+#include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/predictions/judge.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/predictions/search_box.h"
 #include "pipeline/process/progress.h"
@@ -13,9 +12,10 @@
 namespace npdr::pipeline {
 namespace {
 
-// The only row, `count` times.
+// The only row, if any, `count` times.
 sim::Trajectories repeat(const sim::Trajectories& one, Index count) {
   sim::Trajectories many;
+  if (one.num_rows == 0) return many;
   many.resize(count, one.num_rollouts, one.num_steps, one.num_states);
   std::ranges::fill(many.status, one.status.front());
   for (Index i = 0; i < count; ++i) std::ranges::copy(one.values, many.row(i).begin());
@@ -23,30 +23,22 @@ sim::Trajectories repeat(const sim::Trajectories& one, Index count) {
 }
 
 // A single rollout as a prediction: with noise, it is one of as many samples as a posterior has.
-RolloutScores score_point(const Plan& plan, const Judge& judge, const sim::Trajectories& seen,
-                          const sim::Trajectories& held_out, const StreamId& id) {
+RolloutScores score_point(const Plan& plan, const Judge& judge, const PredictedRollouts& one,
+                          const StreamId& id) {
   const Index count = plan.study.evaluate.num_samples;
-  const sim::Trajectories many = repeat(seen, count);
-  const sim::Trajectories many_held_out =
-      judge.held_out() == nullptr ? held_out : repeat(held_out, count);
-  const NoiseOfSamples noise = draw_noise(judge.seen().observation(), many, {}, id);
-  return score(judge, many, many_held_out, noise, id);
+  const PredictedRollouts many{repeat(one.seen, count), repeat(one.held_out, count)};
+  return score(judge, many, draw_noise(judge.seen().observation(), many.seen, {}, id), id);
 }
 
 // `number`: that of the point, which names the random numbers of a simulator that draws some.
 BaselinePoint measure(const Plan& plan, const Judge& judge, const std::string& name,
                       const Vector& complete, std::size_t number) {
-  BaselinePoint point{name, plan.source->parameters().pick_one(complete), {}};
-  if (!plan.study.source().simulates) return point;
-  const RowMatrix theta = complete.transpose();
-  const StreamId id{0, "external_baseline", 0, number, 0};
-  const sim::Trajectories seen = judge.seen().simulate(theta, id);
-  const sim::Trajectories held_out = judge.simulate_held_out(theta, id);
-  for (const auto& [metric, column] : judge.measure(seen, held_out)) {
-    point.metrics[metric] = column(0);
-  }
+  const PredictedRollouts predicted =
+      judge.simulate(complete.transpose(), {0, "external_baseline", 0, number, 0});
+  BaselinePoint point{name, plan.source->parameters().pick_one(complete),
+                      judge.measure_one(predicted)};
   if (plan.study.source().gives_motion) {
-    point.scores = score_point(plan, judge, seen, held_out, {0, "baseline_scores", number, 0, 0});
+    point.scores = score_point(plan, judge, predicted, {0, "baseline_scores", number, 0, 0});
   }
   return point;
 }
@@ -55,14 +47,12 @@ PriorPredictions predict_by_prior(const Plan& plan, const Judge& judge) {
   const Index count = plan.study.evaluate.num_samples;
   const RowMatrix theta = inference::sample_prior(inference::Prior(plan.study.prior), count,
                                                   {0, "prior_predictions", 0, 0, 0});
-  const RowMatrix complete = plan.source->parameters().complete(theta);
   const StreamId id{0, "external_prior", 0, 0, 0};
-  const sim::Trajectories seen = judge.seen().simulate(complete, id);
-  const sim::Trajectories held_out = judge.simulate_held_out(complete, id);
-  PriorPredictions predictions{judge.measure(seen, held_out)};
+  const PredictedRollouts predicted = judge.simulate(plan.source->parameters().complete(theta), id);
+  PriorPredictions predictions{judge.measure(predicted)};
   if (!plan.study.source().gives_motion) return predictions;
   const NoiseOfSamples noise = draw_prior_noise(judge.seen().observation(), count, id);
-  predictions.scores = score(judge, seen, held_out, noise, id);
+  predictions.scores = score(judge, predicted, noise, id);
   return predictions;
 }
 

@@ -8,7 +8,6 @@
 #include "core/quantile.h"
 #include "core/stop_request.h"
 #include "inference/diagnostics/calibration.h"
-#include "pipeline/artefacts/diagnosis_checkpoint.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
@@ -17,10 +16,9 @@
 #include "pipeline/features/series_summary.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/features/usual_features.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/stages/rank_report.h"
+#include "pipeline/stages/checkpoints.h"
 #include "pipeline/stages/stages.h"
 #include "pipeline/stages/training_curves.h"
 
@@ -100,13 +98,20 @@ Calibration calibrate(const Case& c, ArtefactWriter& writer) {
                    features.theta(),
                    all_features(features),
                    {}};
-  DiagnosisCheckpoint earlier = read_diagnosis_checkpoint(RankReport::checkpoint(c.plan, c.node),
-                                                          made.theta, c.config.num_samples);
+  Checkpoints checkpoints(c.plan, c.node, kDiagnosisCheckpointSchema);
+  DiagnosisCheckpoint earlier =
+      read_diagnosis_checkpoint(checkpoints.file(), made.theta, c.config.num_samples);
   writer.add_cost(earlier.cost);
-  RankReport report(c.plan, c.node, features.num_rows(), earlier);
+  Progress progress(c.node.label(), features.num_rows(), earlier.ranks.num_done);
+  const auto report = [&](const inference::CalibrationRanks& ranks) {
+    const bool is_stopping = stop_requested();
+    if (is_stopping || checkpoints.is_due()) checkpoints.save({ranks, earlier.cost});
+    progress.update(ranks.num_done);  // saved before it is shown
+    if (is_stopping) checkpoints.stop();
+  };
   made.ranks = inference::rank_truths(
       [&](const VectorF& observed) { return made.posterior->given(observed); }, made.theta, made.x,
-      std::move(earlier.ranks), c.stream(""), std::ref(report));
+      std::move(earlier.ranks), c.stream(""), report);
   return made;
 }
 
@@ -175,8 +180,8 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
   // Its prior would let anything pass.
   NoiseOfSamples unknown;
   if (noise.has_unknown()) {
-    unknown = draw_noise_of_stored(c.observation, rows, noise_source(c.plan, c.last_posterior()),
-                                   c.stream("diagnose_predictive_noise"));
+    unknown = draw_noise(c.observation, rows, noise_source(c.plan, c.last_posterior()),
+                         c.stream("diagnose_predictive_noise"));
   }
   std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
   Predictions result{{}, {theta.rows(), c.embedding->num_features()}, 0};

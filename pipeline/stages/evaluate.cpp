@@ -3,8 +3,6 @@
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/predictions/inferred_noise.h"
-#include "pipeline/predictions/judge.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/stages/stages.h"
 
@@ -14,28 +12,24 @@ namespace {
 // Simulates the posterior's samples.
 void predict(const Plan& plan, const Node& node, const Judge& judge, const StreamId& first,
              Evaluation& evaluation) {
-  const Predictor& predictor = judge.seen();
-  if (!plan.study.source().simulates) return;
-  const RowMatrix complete = plan.source->parameters().complete(evaluation.theta);
-  const sim::Trajectories seen = predictor.simulate(complete, first);
-  const sim::Trajectories held_out = judge.simulate_held_out(complete, first);
-  evaluation.metrics = judge.measure(seen, held_out);
-  if (!plan.study.source().gives_motion) {
-    evaluation.x = features_of(seen);
-    return;
-  }
-  evaluation.bands = analysis::quantile_bands(view_of(seen));
+  const SourceTraits& source = plan.study.source();
+  const PredictedRollouts predicted =
+      judge.simulate(plan.source->parameters().complete(evaluation.theta), first);
+  evaluation.metrics = judge.measure(predicted);
+  if (source.predicts_features()) evaluation.x = features_of(predicted.seen);
+  if (!source.gives_motion) return;
+  evaluation.bands = analysis::quantile_bands(view_of(predicted.seen));
   if (judge.held_out() != nullptr) {
-    evaluation.held_out_bands = analysis::quantile_bands(view_of(held_out));
+    evaluation.held_out_bands = analysis::quantile_bands(view_of(predicted.held_out));
   }
   // Not what the posterior has seen in all iterations: evaluations are by the first target.
   const std::string& method = node.uses.front().method;
   const Observation observation(plan.study,
                                 read_target(plan, node, plan.study.method(method).num_rollouts));
-  const NoiseSource source = noise_source(plan, plan.input(node, "posterior"));
-  const NoiseOfSamples noise = draw_noise(observation, seen, source, first);
-  evaluation.noise = inferred_noise(observation.noise(), noise, seen);
-  evaluation.scores = score(judge, seen, held_out, noise, first);
+  const NoiseOfSamples noise = draw_noise(observation, predicted.seen,
+                                          noise_source(plan, plan.input(node, "posterior")), first);
+  evaluation.noise = inferred_noise(observation.noise(), noise, predicted.seen);
+  evaluation.scores = score(judge, predicted, noise, first);
 }
 
 }  // namespace
@@ -62,8 +56,8 @@ void run_evaluate(const Plan& plan, const Node& node) {
   evaluation.map_theta = posterior->map({use.seed, "map", round, 0, 0});
   const RowMatrix map_row = evaluation.map_theta.transpose();
   evaluation.map_log_prob = posterior->log_prob(map_row)(0);
-  evaluation.map_metrics = judge.measure_one(parameters.complete(map_row).transpose(),
-                                             {use.seed, "external_map", round, 0, 0});
+  evaluation.map_metrics = judge.measure_one(
+      judge.simulate(parameters.complete(map_row), {use.seed, "external_map", round, 0, 0}));
 
   if (plan.source->has_nominal()) evaluation.nominal_log_prob = log_prob_at({});
   if (const auto& truth = plan.study.target.truth) evaluation.truth_log_prob = log_prob_at(*truth);

@@ -8,7 +8,7 @@
 #include "core/stop_request.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/stages/checkpoint_times.h"
+#include "pipeline/stages/checkpoints.h"
 #include "pipeline/stages/refined_rows.h"
 #include "pipeline/stages/stages.h"
 
@@ -40,7 +40,7 @@ void wait_for_inputs(const Plan& plan, const Node& node, double patience) {
     if (waited == 0.0) report_error("help " + node.label(), "waits for what it starts from");
     pause(waited);
     stop_here_if_requested();
-    waited = std::chrono::duration<double>(Clock::now() - start).count();
+    waited = seconds_since(start);
   }
   require_inputs(plan, node);
 }
@@ -61,7 +61,7 @@ Index help_refinement(const Plan& plan, const Node& node, const Helper& helper, 
     num_rows += made;
     progress.update(num_rows);
     if (made > 0) last = Clock::now();
-    const double idle = std::chrono::duration<double>(Clock::now() - last).count();
+    const double idle = seconds_since(last);
     if (idle >= patience) {
       report_error("help " + node.label(),
                    fmt::format("nothing was asked for in {:.0f} s, so this helper ends; the same "

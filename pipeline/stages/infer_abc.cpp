@@ -38,7 +38,7 @@ Vector euclidean_distances(const Plan& plan, const Node& node, Target target, In
   const Observation observation(plan.study, std::move(target));
   const auto embedding = inference::make_embedding(method.embedding, observation.target(),
                                                    plan.study.simulator.store_every);
-  const SimulationFeatures features(plan, node, observation, *embedding);
+  const SimulationFeatures features(plan, plan.inputs(node, "simulation"), observation, *embedding);
   Vector distances = Vector::Constant(num_rows, kInfinity);
   if (features.num_rows() == 0) return distances;
   if (!transform) {

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <limits>
 #include <optional>
 
@@ -10,10 +9,10 @@
 #include "inference/weighted_population.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
+#include "pipeline/predictions/left_out.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/stages/checkpoint_times.h"
+#include "pipeline/stages/checkpoints.h"
 #include "pipeline/stages/infer_methods.h"
-#include "pipeline/stages/power_search.h"
 #include "pipeline/stages/refined_rows.h"
 
 namespace npdr::pipeline {
@@ -53,11 +52,10 @@ class Refinement {
         node_(node),
         prior_(plan.study.prior),
         config_(plan.study.method(node.uses.front().method).refine.sampling),
-        checkpoint_(plan.work.checkpoint("infer", node.key)),
-        earlier_(kRefinementCheckpointSchema.read_if_there({checkpoint_, node.key})
-                     .value_or(RefinementCheckpoint())),
+        checkpoints_(plan, node, kRefinementCheckpointSchema),
+        earlier_(checkpoints_.read()),
         moves_(earlier_.moves.value_or(FirstStateMoves())),
-        search_(earlier_.powers),
+        powers_(earlier_.powers),
         sampler_(make_sampler()),
         likelihood_(plan, node, log_of(node.path)),
         rows_(plan, node, likelihood_, none_of_helpers(plan)),
@@ -93,30 +91,35 @@ class Refinement {
   }
 
   const Cost& cost_of_helpers() const { return rows_.cost_of_others(); }
-  inference::ImportanceSample sample() const {
+
+  // Fills the artefact, and says what isn't right.
+  void write(h5::File& file, Index failed) const {
     inference::ImportanceSample sample = sampler_.particles(kMostParticles);
-    sample.certificate.num_draws += moves_.num_draws;
-    return sample;
+    inference::ImportanceCertificate& certificate = sample.certificate;
+    certificate.num_draws += moves_.num_draws;
+    warn(failed, certificate.num_draws);
+    write_particles(
+        file, name_of(inference::Algorithm::refine),
+        {.prior = prior_, .theta = prior_.to_theta(sample.u), .weights = sample.weights},
+        {.used = certificate.num_draws - failed, .failed = failed});
+    write_part(file, certificate);
+    write_part(file, likelihood_.residuals(likeliest()));
+    write_part(file, moves());
+    if (config_.cross_validate) write_part(file, powers_);
   }
-  std::optional<sim::ErrorMemory> residuals() const { return likelihood_.residuals(likeliest()); }
-  const inference::Prior& prior() const { return prior_; }
-  const PowerScores& powers() const { return search_.scores(); }
+
+ private:
   // None: first states are exact.
   std::optional<FirstStateMoves> moves() const {
     if (!likelihood_.infers_first_states()) return std::nullopt;
     return moves_;
   }
+
   // "; the last: ..."; "": nothing is known of any.
   std::string words_of_failure() const {
     const std::string last = likelihood_.last_failure();
     return last.empty() ? "" : "; the last: " + last;
   }
-  // First states were inferred to first order where that was too coarse.
-  bool is_coarse() const { return is_coarse_; }
-  bool may_move() const { return moves_.count < kMostMoves; }
-  bool is_search_cut() const { return search_.scores().ends_at_least(config_.likelihood_power); }
-
- private:
   // All simulations so far.
   Index num_draws() const { return moves_.num_draws + sampler_.state().num_draws; }
 
@@ -124,6 +127,21 @@ class Refinement {
   Vector likeliest() const {
     const RowMatrix u = sampler_.best_point().transpose();
     return prior_.to_theta(u).row(0).transpose();
+  }
+
+  void warn(Index failed, Index num_draws) const {
+    // First states were inferred to first order where that was too coarse.
+    if (is_coarse_) {
+      report_warning(node_.label(),
+                     "first states are inferred to first order, which is too coarse for this "
+                     "motion: raise refine.max_simulations, or cut shorter segments "
+                     "(simulator.segment_length)");
+    }
+    if (failed == 0 || !plan_.study.source().takes_seeds) return;
+    report_warning(node_.label(),
+                   fmt::format("{} of {} simulations failed, and their parameters count as "
+                               "impossible, which cuts the posterior where they are possible{}",
+                               failed, num_draws, words_of_failure()));
   }
 
   // Of programs, as for other simulations (where a simulator of ours fails, parameters are
@@ -186,16 +204,18 @@ class Refinement {
     if (sampler_.state().levels.back().kind == inference::LevelKind::reported) return;
     const inference::ImportanceSample draws = sampler_.preliminary(sampler_.power(), kLeftOutDraws);
     const sim::Trajectories rollouts = simulate_draws(prior_.to_theta(draws.u));
-    search_.add(sampler_.power(), likelihood_.left_out(rollouts, draws.weights, sampler_.power()));
+    add_power(powers_, sampler_.power(),
+              likelihood_.left_out(rollouts, draws.weights, sampler_.power()));
     const bool is_late = !sampler_.has_draws_for(3) ||
                          static_cast<double>(sampler_.state().num_draws) >=
                              kSearchShare * static_cast<double>(config_.max_simulations);
-    if (is_late || search_.is_over(config_.likelihood_power)) sampler_.settle(search_.best());
+    if (is_late || are_enough(powers_, config_.likelihood_power))
+      sampler_.settle(best_power(powers_));
   }
 
   bool is_settled() const {
     return moves_.count > 0 || sampler_.wanted_power() < config_.likelihood_power ||
-           search_.is_over(config_.likelihood_power);
+           are_enough(powers_, config_.likelihood_power);
   }
 
   // The power that is wanted has been reached, and won't change any more.
@@ -247,66 +267,30 @@ class Refinement {
   }
 
   void keep(Index failed) {
-    const auto now = Clock::now();
     const bool is_stopping = stop_requested() && !sampler_.is_done();
-    const bool is_due = seconds_between(saved_, now) > kSecondsBetweenCheckpoints;
-    if (!is_due && !is_stopping) return;
-    RefinementCheckpoint checkpoint{sampler_.state(), moves(), failed, search_.scores(),
-                                    earlier_.cost};
-    checkpoint.cost += cost_of_seconds(seconds_between(start_, now));
-    checkpoint.cost += rows_.cost_of_others();
-    checkpoint.cost.core_seconds -= rows_.unread_core_seconds();
-    kRefinementCheckpointSchema.write(checkpoint_, node_.identity, std::move(checkpoint));
+    if (!is_stopping && !checkpoints_.is_due()) return;
+    Cost cost = earlier_.cost;
+    cost += rows_.cost_of_others();
+    cost.core_seconds -= rows_.unread_core_seconds();
+    checkpoints_.save({sampler_.state(), moves(), failed, powers_, cost});
     rows_.forget(num_draws());
-    saved_ = now;
-    if (is_stopping) throw Checkpointed(node_.label() + ": stopped on request, checkpoint written");
+    if (is_stopping) checkpoints_.stop();
   }
 
   const Plan& plan_;
   const Node& node_;
   inference::Prior prior_;
   inference::ImportanceConfig config_;
-  std::filesystem::path checkpoint_;
+  Checkpoints<RefinementCheckpoint> checkpoints_;
   RefinementCheckpoint earlier_;
   FirstStateMoves moves_;
   bool is_coarse_ = false;
-  PowerSearch search_;
+  PowerScores powers_;
   Sampler sampler_;
   SimulatedLikelihood likelihood_;
   RefinedRows rows_;
   Progress progress_;
-  Clock::time_point start_ = Clock::now();
-  Clock::time_point saved_ = start_;
 };
-
-void warn_of_failures(const Node& node, Index failed, Index num_draws, const std::string& why) {
-  report_warning(node.label(),
-                 fmt::format("{} of {} simulations failed, and their parameters count as "
-                             "impossible, which cuts the posterior where they are possible{}",
-                             failed, num_draws, why));
-}
-
-void warn(const Node& node, const inference::ImportanceCertificate& certificate,
-          const Refinement& refinement) {
-  if (refinement.is_coarse()) {
-    report_warning(node.label(),
-                   fmt::format("first states are inferred to first order, which is too coarse for "
-                               "this motion: {}cut shorter segments (simulator.segment_length)",
-                               refinement.may_move() ? "raise refine.max_simulations, or " : ""));
-  }
-  if (refinement.is_search_cut()) {
-    report_warning(node.label(),
-                   "the power of the likelihood that predicts best is the largest that was "
-                   "reached, and larger ones may be better; raise refine.max_simulations");
-  }
-  if (certificate.power < certificate.wanted_power) {
-    report_warning(node.label(),
-                   fmt::format("{} simulations reached the power {:.3g} of the likelihood, "
-                               "not {:.3g}; raise refine.max_simulations, or lower "
-                               "refine.likelihood_power",
-                               certificate.num_draws, certificate.power, certificate.wanted_power));
-  }
-}
 
 }  // namespace
 
@@ -314,23 +298,7 @@ void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   Refinement refinement(plan, node, writer);
   const Index failed = refinement.run();
   writer.add_cost(refinement.cost_of_helpers());
-  const inference::ImportanceSample sample = refinement.sample();
-  const MethodConfig& method = plan.study.method(node.uses.front().method);
-  warn(node, sample.certificate, refinement);
-  if (failed > 0 && plan.study.source().takes_seeds) {
-    warn_of_failures(node, failed, sample.certificate.num_draws, refinement.words_of_failure());
-  }
-  write_particles(writer.file(), name_of(method.algorithm.kind),
-                  {.prior = refinement.prior(),
-                   .theta = refinement.prior().to_theta(sample.u),
-                   .weights = sample.weights},
-                  {.used = sample.certificate.num_draws - failed, .failed = failed});
-  write_part(writer.file(), sample.certificate);
-  write_part(writer.file(), refinement.residuals());
-  write_part(writer.file(), refinement.moves());
-  if (method.refine.sampling.cross_validate) {
-    write_part(writer.file(), refinement.powers());
-  }
+  refinement.write(writer.file(), failed);
 }
 
 }  // namespace npdr::pipeline

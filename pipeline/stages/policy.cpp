@@ -10,7 +10,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/stages/checkpoint_times.h"
+#include "pipeline/stages/checkpoints.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -80,6 +80,7 @@ class Search {
   Search(const Plan& plan, const Node& node)
       : plan_(plan),
         node_(node),
+        checkpoints_(plan, node, kPolicyCheckpointSchema),
         num_iterations_(plan.study.method(node.uses.front().method).policy_iterations),
         task_(make_task(plan.study)),
         trials_(plan, node, *task_, num_iterations_),
@@ -87,11 +88,11 @@ class Search {
 
   // Goes on from the checkpoint, where there is one. Returns the cost of the runs before.
   Cost resume() {
-    const auto checkpoint = kPolicyCheckpointSchema.read_if_there({checkpoint_path(), node_.key});
+    const auto checkpoint = kPolicyCheckpointSchema.read_if_there(checkpoints_.file());
     if (!checkpoint) return {};
     if (!fits(*checkpoint)) {
       throw InputError(fmt::format("{}: not of this search; remove it and rerun stage 'policy'",
-                                   checkpoint_path().string()));
+                                   checkpoints_.file().path.string()));
     }
     history_ = checkpoint->history;
     optimizer_ = inference::make_policy_optimizer(plan_.study.policy.search, checkpoint->optimizer);
@@ -103,12 +104,10 @@ class Search {
     Progress progress(node_.label(), num_iterations_, history_.num_rows());
     for (Index t = history_.num_rows(); t < num_iterations_; ++t) {
       iterate(t);
-      save();
+      checkpoints_.save({history_, optimizer_->state(), earlier_});
       // Saved before it is shown: who looks at the progress may be gone.
       progress.update(t + 1, fmt::format("return {:.4g}", history_.mean_return(t)));
-      if (stop_requested()) {
-        throw Checkpointed(node_.label() + ": stopped on request, checkpoint written");
-      }
+      if (stop_requested()) checkpoints_.stop();
     }
     const RowMatrix last = from_search_space(optimizer_->current().transpose());
     history_.add(last.row(0).transpose(), evaluate(last, num_iterations_), 0);
@@ -118,10 +117,6 @@ class Search {
   const sim::PolicyTaskInfo& info() const { return task_->info(); }
 
  private:
-  std::filesystem::path checkpoint_path() const {
-    return plan_.work.checkpoint("policy", node_.key);
-  }
-
   Vector start_point() const {
     const Node* earlier = plan_.find_input(node_, "policy");
     const Vector policy = earlier == nullptr ? first_policy(plan_.study, task_->info())
@@ -163,21 +158,15 @@ class Search {
     optimizer_->tell(points, values.mean_return);
   }
 
-  void save() {
-    PolicyCheckpoint checkpoint{history_, optimizer_->state(), earlier_};
-    checkpoint.cost += cost_of_seconds(seconds_between(start_, Clock::now()));
-    kPolicyCheckpointSchema.write(checkpoint_path(), node_.identity, std::move(checkpoint));
-  }
-
   const Plan& plan_;
   const Node& node_;
+  Checkpoints<PolicyCheckpoint> checkpoints_;
   Index num_iterations_;
   std::unique_ptr<sim::PolicyTask> task_;
   TrialSource trials_;
   std::unique_ptr<inference::PolicyOptimizer> optimizer_;
   PolicyHistory history_;
   Cost earlier_;
-  Clock::time_point start_ = Clock::now();
 };
 
 }  // namespace

@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
-#include <numeric>
 
 #include "core/error.h"
 #include "core/stop_request.h"
@@ -17,7 +15,7 @@
 #include "pipeline/process/progress.h"
 #include "pipeline/sources/first_rows.h"
 #include "pipeline/sources/repeated_outlier.h"
-#include "pipeline/stages/checkpoint_times.h"
+#include "pipeline/stages/checkpoints.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -78,10 +76,6 @@ Findings find_in_all(const Simulation& simulation, const std::vector<Shard>& sha
     const h5::Dataset x = simulated_values(file);
     x.require_shape({shard.rows.size(), std::ssize(columns)});
     observe(outliers, x);
-  }
-  // Of programs the first rows, asked for again, say so.
-  if (!simulation.plan.study.source().takes_seeds && outliers.are_rows_same()) {
-    return {warning(kSameRows)};
   }
   return outliers.find(columns);
 }
@@ -153,7 +147,7 @@ void write_block(h5::File& file, const Simulation& simulation, Index begin, Inde
   first.row = static_cast<std::uint64_t>(begin);
   const RowMatrix complete = simulation.plan.source->parameters().complete(theta);
   const sim::Trajectories result = simulation.simulator->simulate(complete, first);
-  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const double seconds = seconds_since(start);
   const std::vector<float> row_seconds(static_cast<std::size_t>(count),
                                        static_cast<float>(seconds / static_cast<double>(count)));
   const std::vector<std::uint8_t> status = as_bytes(result.status);
@@ -208,17 +202,12 @@ void warn_of_failures(const Simulation& simulation) {
   }
 }
 
-std::vector<Index> all_shards(std::size_t count) {
-  std::vector<Index> numbers(count);
-  std::iota(numbers.begin(), numbers.end(), Index{0});
-  return numbers;
-}
-
 }  // namespace
 
 void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers) {
   const std::vector<Shard> all = shards(plan, node);
-  const std::vector<Index> numbers = shard_numbers.empty() ? all_shards(all.size()) : shard_numbers;
+  std::vector<Index> numbers = shard_numbers;
+  for (Index i = 0; shard_numbers.empty() && i < std::ssize(all); ++i) numbers.push_back(i);
   Simulation simulation = make_simulation(plan, node);
   std::vector<const Shard*> missing;
   Index done = 0;

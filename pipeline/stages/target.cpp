@@ -7,7 +7,6 @@
 #include "pipeline/artefacts/policy_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/artefacts/target_file.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/predictions/policy_rollouts.h"

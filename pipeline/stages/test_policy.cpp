@@ -4,7 +4,6 @@
 #include "core/random.h"
 #include "core/stop_request.h"
 #include "pipeline/artefacts/policy_file.h"
-#include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"

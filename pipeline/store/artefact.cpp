@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <set>
+#include <utility>
 
 #include "core/error.h"
 #include "core/parallel.h"
 #include "pipeline/process/batch_job.h"
 #include "pipeline/process/build_info.h"
-#include "pipeline/process/task_mark.h"
 #include "pipeline/process/utc_time.h"
 #include "pipeline/store/content_key.h"
 #include "pipeline/store/hostile_json.h"
@@ -40,17 +41,26 @@ void write_identity(h5::File& file, const Schema& schema, const Identity& identi
   file.set_attribute("input_keys", keys);
 }
 
+// Texts of the group 'provenance'.
+constexpr std::array<std::pair<const char*, std::string Provenance::*>, 5> kTexts = {
+    {{"creator_version", &Provenance::creator_version},
+     {"git_revision", &Provenance::git_revision},
+     {"instruction_set", &Provenance::instruction_set},
+     {"host", &Provenance::host},
+     {"created", &Provenance::created}}};
+
 void write_provenance(h5::File& file, const Json& study, const Cost& cost) {
+  const Provenance made{.creator_version = creator_version(),
+                        .git_revision = git_revision(),
+                        .instruction_set = instruction_set(),
+                        .host = host_name(),
+                        .created = now_utc(),
+                        .batch_job = batch_job_id(),
+                        .cost = cost};
   h5::Group group = file.create_group(kProvenance);
   mark_volatile(group);
-  group.set_attribute("creator_version", creator_version());
-  group.set_attribute("git_revision", git_revision());
-  group.set_attribute("instruction_set", instruction_set());
-  group.set_attribute("host", host_name());
-  group.set_attribute("created", now_utc());
-  if (const std::string job = batch_job_id(); !job.empty()) {
-    group.set_attribute("batch_job", job);
-  }
+  for (const auto& [name, text] : kTexts) group.set_attribute(name, made.*text);
+  if (!made.batch_job.empty()) group.set_attribute("batch_job", made.batch_job);
   group.set_attribute("wall_seconds", cost.wall_seconds);
   group.set_attribute("core_seconds", cost.core_seconds);
   group.set_attribute(kSealed, Index{1});
@@ -93,21 +103,15 @@ std::map<std::string, std::string> read_inputs(const h5::File& file) {
 }
 
 // Files of earlier versions don't tell how many cores they had.
-Cost read_cost(const h5::Group& group) {
-  const auto wall = group.attribute<double>("wall_seconds");
-  const bool has_cores = group.has_attribute("core_seconds");
-  return {wall, has_cores ? group.attribute<double>("core_seconds") : wall};
-}
-
 Provenance read_provenance(const h5::Group& group) {
-  return {.creator_version = group.attribute<std::string>("creator_version"),
-          .git_revision = group.attribute<std::string>("git_revision"),
-          .instruction_set = group.attribute<std::string>("instruction_set"),
-          .host = group.attribute<std::string>("host"),
-          .created = group.attribute<std::string>("created"),
-          .batch_job =
-              group.has_attribute("batch_job") ? group.attribute<std::string>("batch_job") : "",
-          .cost = read_cost(group)};
+  Provenance made;
+  for (const auto& [name, text] : kTexts) made.*text = group.attribute<std::string>(name);
+  if (group.has_attribute("batch_job")) made.batch_job = group.attribute<std::string>("batch_job");
+  made.cost.wall_seconds = group.attribute<double>("wall_seconds");
+  made.cost.core_seconds = group.has_attribute("core_seconds")
+                               ? group.attribute<double>("core_seconds")
+                               : made.cost.wall_seconds;
+  return made;
 }
 
 }  // namespace
@@ -149,31 +153,21 @@ void ArtefactWriter::finish() {
 
 namespace {
 
-// Damage is found before the HDF5 library sees it, which may crash on it.
-h5::File open_undamaged(const std::filesystem::path& path) try {
+// Damage is found before the HDF5 library sees it, which may crash on it. `is_made`: a file that we
+// made, which can be made again. What isn't damaged must not be removed: HDF5 didn't get all of its
+// bytes.
+h5::File open_undamaged(const std::filesystem::path& path, bool is_made) try {
   const bool has_seal = has_intact_seal(path);
   h5::File file = h5::File::open(path);
   if (!has_seal && file.is_group(kProvenance) && file.group(kProvenance).has_attribute(kSealed)) {
     throw DamagedFile(path.string() + ": is damaged: its end with the checksum is missing");
   }
   return file;
-} catch (const DamagedFile&) {
-  throw;
 } catch (const InputError& error) {
-  if (is_damaged(path)) throw DamagedFile(error.what());
-  throw;
-}
-
-// The file that we made can be made again. What isn't damaged must not be removed: HDF5 didn't get
-// all of its bytes.
-h5::File open_made_file(const std::filesystem::path& path) try {
-  return open_undamaged(path);
-} catch (const DamagedFile& error) {
-  throw DamagedFile(std::string(error.what()) + "; remove it and run again");
-} catch (const InputError& error) {
-  if (!has_intact_seal(path)) throw;
-  throw Error(std::string(error.what()) +
-              "; its checksum is right, so it couldn't be read just now: run again");
+  const std::string what = error.what();
+  if (is_damaged(path)) throw DamagedFile(what + (is_made ? "; remove it and run again" : ""));
+  if (!is_made || !has_intact_seal(path)) throw;
+  throw Error(what + "; its checksum is right, so it couldn't be read just now: run again");
 }
 
 }  // namespace
@@ -181,7 +175,7 @@ h5::File open_made_file(const std::filesystem::path& path) try {
 h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
                        const std::string& key) {
   // Without a key somebody named the file, and it needn't be one of ours.
-  h5::File file = key.empty() ? open_undamaged(path) : open_made_file(path);
+  h5::File file = open_undamaged(path, !key.empty());
   require_complete(file);
   require_schema(file, schema);
   const auto found = file.attribute<std::string>("key");
@@ -206,7 +200,7 @@ h5::File open_artefact(const ArtefactFile& file, const Schema& schema) {
 }
 
 ArtefactInfo read_artefact_info(const std::filesystem::path& path) {
-  const h5::File file = open_undamaged(path);
+  const h5::File file = open_undamaged(path, false);
   require_complete(file);
   const h5::Group provenance = file.group(kProvenance);
   ArtefactInfo info;

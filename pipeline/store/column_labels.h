@@ -13,16 +13,15 @@ namespace npdr::pipeline {
 /// are `num_columns`, none of them empty or twice.
 std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_columns);
 
-/// One unit for each of the labels; none where the dataset has no such attribute. Throws InputError
-/// when there are more or fewer.
-std::vector<std::string> column_units(const h5::Dataset& dataset, std::size_t num_labels);
-
 /// Labels with units, of `label [unit]` or the attribute `units`; "1" where there is none. Throws
-/// InputError as the two do, also for labels that differ in their units alone.
+/// InputError as column_labels() does, also for labels that differ in their units alone, and for
+/// more or fewer units than columns.
 std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns);
 
 /// Sets both attributes. Throws Error when that fails.
 void describe_columns(h5::Dataset& dataset, const std::vector<Channel>& columns);
+
+std::vector<std::string> labels_of(const std::vector<Channel>& columns);
 
 /// The first few of a file's names for a message, none of them long.
 std::vector<std::string> few_shortened(const std::vector<std::string>& names);

@@ -76,30 +76,19 @@ void add_dataset(Hasher& hasher, const h5::Dataset& dataset) {
 }
 
 // A file whose groups hold each other would never end.
-constexpr int kMaxDepth = 32;
-constexpr int kMaxGroups = 10'000;
+constexpr int kMaxGroups = 1000;
 
-struct Walk {
-  Hasher hasher;
-  int num_groups = 0;
-};
-
-void add_group(Walk& walk, const h5::Group& group, int depth) {
-  if (depth > kMaxDepth) {
-    throw InputError(fmt::format("{}: groups are nested {} deep, must be <= {}", group.where(),
-                                 depth, kMaxDepth));
-  }
-  if (++walk.num_groups > kMaxGroups) {
+void add_group(Hasher& hasher, const h5::Group& group, int& num_groups) {
+  if (++num_groups > kMaxGroups) {
     throw InputError(fmt::format("{}: more than {} groups", group.where(), kMaxGroups));
   }
-  Hasher& hasher = walk.hasher;
   add_attributes(hasher, group);
   for (const std::string& name : group.names()) {
     if (group.is_group(name)) {
       const h5::Group member = group.group(name);
       if (is_volatile(member)) continue;
       hasher.add("group " + name);
-      add_group(walk, member, depth + 1);
+      add_group(hasher, member, num_groups);
     } else {
       const h5::Dataset member = group.dataset(name);
       if (is_volatile(member)) continue;
@@ -113,9 +102,10 @@ void add_group(Walk& walk, const h5::Group& group, int depth) {
 }  // namespace
 
 std::string content_digest(const std::filesystem::path& path) {
-  Walk walk;
-  add_group(walk, h5::File::open(path), 0);
-  return walk.hasher.hex();
+  Hasher hasher;
+  int num_groups = 0;
+  add_group(hasher, h5::File::open(path), num_groups);
+  return hasher.hex();
 }
 
 }  // namespace npdr::pipeline

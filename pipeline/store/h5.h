@@ -5,9 +5,8 @@
 /// size that it doesn't hold) is an InputError, found before anything big is allocated. A failed
 /// write is an Error that says what to do.
 ///
-/// HDF5 locks files by default. Where the file system has no locks, files are opened without;
-/// HDF5_USE_FILE_LOCKING=FALSE switches locks off altogether. Artefacts need none: they are renamed
-/// into place when they are complete and never change afterward.
+/// Files aren't locked: artefacts are renamed into place when they are complete and never change
+/// afterward.
 ///
 /// Groups and datasets of a new file are valid until it is closed; those of a file that is read
 /// keep it open. Not thread-safe: one thread at a time may use this module.
@@ -147,11 +146,6 @@ class Group : public Object {
   Dataset write(const std::string& name, const VectorX<T>& values, const Storage& storage = {}) {
     return write_as<T>(name, {values.size()}, values, storage);
   }
-  template <class T>
-  void write_scalar(const std::string& name, T value) {
-    create_dataset(name, element_type<T>(), {})
-        .template write_rows<T>(0, 1, std::span<const T>(&value, 1));
-  }
   void write_texts(const std::string& name, const std::vector<std::string>& texts);
   void write_text(const std::string& name, const std::string& text);
 
@@ -174,6 +168,8 @@ class Group : public Object {
   std::string read_text(const std::string& name) const;
 
  private:
+  std::string path_of(const std::string& name) const;
+  std::string where_of(const char* kind, const std::string& name) const;
   std::string lack_of(std::string_view kind, const std::string& name) const;
   template <class Array>
   static std::size_t size_of(const Array& values) {

@@ -22,8 +22,8 @@ Handle type_of(const Object& dataset) {
 }
 
 // The first filter of a dataset that this HDF5 lacks, such as h5py's lzf; "": it has them all.
-std::string missing_filter(hid_t dataset) {
-  const Handle settings(H5Dget_create_plist(dataset));
+std::string missing_filter(const Object& dataset) {
+  const Handle settings = properties_of(dataset);
   const int count = H5Pget_nfilters(settings.id());
   for (int i = 0; i < count; ++i) {
     std::array<char, 64> name = {};
@@ -45,14 +45,12 @@ Handle space_of(const Object& dataset) {
 
 // In chunks, which may be compressed; otherwise the file holds every byte of the array.
 bool is_chunked(const Object& dataset) {
-  const Handle properties = opened(H5Dget_create_plist(dataset.id()), dataset.where(), "be opened");
-  return H5Pget_layout(properties.id()) == H5D_CHUNKED;
+  return H5Pget_layout(properties_of(dataset).id()) == H5D_CHUNKED;
 }
 
 // Raw bytes of any other file, wherever who made this one said that they are.
 void require_own_bytes(const Object& dataset) {
-  const Handle properties = opened(H5Dget_create_plist(dataset.id()), dataset.where(), "be opened");
-  if (H5Pget_external_count(properties.id()) == 0) return;
+  if (H5Pget_external_count(properties_of(dataset).id()) == 0) return;
   throw InputError(dataset.where() + ": its values are bytes of other files, must be in this one");
 }
 
@@ -184,7 +182,7 @@ void Dataset::read_raw(ElementType type, Index begin, Index count, void* values)
   const Handle element = memory_type(type);
   if (H5Dread(id(), element.id(), memory.id(), space.id(), H5P_DEFAULT, values) < 0) {
     const hid_t why = H5Eget_current_stack();
-    const std::string filter = missing_filter(id());
+    const std::string filter = missing_filter(*this);
     H5Eset_current_stack(why);
     if (filter.empty()) fail_reading(where(), "be read");
     throw InputError(where() + ": is compressed by '" + filter +

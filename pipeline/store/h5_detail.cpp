@@ -113,6 +113,10 @@ void written(herr_t status, const std::string& where, const std::string& action)
   if (status < 0) fail_writing(where, action);
 }
 
+Handle properties_of(const Object& dataset) {
+  return opened(H5Dget_create_plist(dataset.id()), dataset.where(), "say how it is stored");
+}
+
 Handle::~Handle() {
   if (id_ < 0 || H5Iis_valid(id_) <= 0) return;
   const auto name = file_name(id_);  // afterwards nobody knows

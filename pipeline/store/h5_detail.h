@@ -37,6 +37,9 @@ bool is_true(int answer, const std::string& where);
 /// Throws when a write returned a failure.
 void written(herr_t status, const std::string& where, const std::string& action);
 
+/// How a dataset was created to be stored.
+Handle properties_of(const Object& dataset);
+
 /// The type of elements in memory, and in files: little endian; texts of variable length in UTF-8.
 Handle memory_type(ElementType type);
 Handle file_type(ElementType type);

@@ -83,37 +83,38 @@ std::string Group::lack_of(std::string_view kind, const std::string& name) const
          "' is a link that leads nowhere in this file, must be in the file itself";
 }
 
+std::string Group::path_of(const std::string& name) const {
+  return path_.empty() ? name : path_ + "/" + name;
+}
+
+std::string Group::where_of(const char* kind, const std::string& name) const {
+  return located(file_, kind, path_of(name));
+}
+
 Group Group::group(const std::string& name) const {
-  const std::string path = path_.empty() ? name : path_ + "/" + name;
-  if (!is_group(name)) {
-    throw InputError(lack_of("group", name));
-  }
-  return {
-      opened(H5Gopen2(id(), name.c_str(), H5P_DEFAULT), located(file_, "group", path), "be opened"),
-      file_, path};
+  if (!is_group(name)) throw InputError(lack_of("group", name));
+  return {opened(H5Gopen2(id(), name.c_str(), H5P_DEFAULT), where_of("group", name), "be opened"),
+          file_, path_of(name)};
 }
 
 Dataset Group::dataset(const std::string& name) const {
-  const std::string at = located(file_, "dataset", path_.empty() ? name : path_ + "/" + name);
-  if (!has(name) || is_group(name)) {
-    throw InputError(lack_of("dataset", name));
-  }
+  if (!has(name) || is_group(name)) throw InputError(lack_of("dataset", name));
+  const std::string at = where_of("dataset", name);
   return {opened(H5Dopen2(id(), name.c_str(), H5P_DEFAULT), at, "be opened"), at};
 }
 
 Group Group::create_group(const std::string& name) {
-  const std::string path = path_.empty() ? name : path_ + "/" + name;
   const Handle properties(H5Pcreate(H5P_GROUP_CREATE));
   H5Pset_obj_track_times(properties.id(), false);
   return {created(H5Gcreate2(id(), name.c_str(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
-                  located(file_, "group", path), "be created"),
-          file_, path};
+                  where_of("group", name), "be created"),
+          file_, path_of(name)};
 }
 
 Dataset Group::create_dataset(const std::string& name, ElementType type, const Shape& shape,
                               const Storage& storage) {
   prepare();
-  const std::string at = located(file_, "dataset", path_.empty() ? name : path_ + "/" + name);
+  const std::string at = where_of("dataset", name);
   const Handle stored = file_type(type);
   const Handle space = make_space(shape);
   const auto element_size = static_cast<Index>(H5Tget_size(stored.id()));

@@ -65,22 +65,24 @@ Handle new_attribute(const Object& object, const std::string& name, ElementType 
 }
 
 template <class T>
-void write_numbers(const Object& object, const std::string& name, const Shape& shape,
-                   const T* values) {
-  const Handle attribute = new_attribute(object, name, element_type<T>(), shape);
-  if (size_of(shape) == 0) return;  // HDF5 takes no pointer to nothing
-  const Handle memory = memory_type(element_type<T>());
-  written(H5Awrite(attribute.id(), memory.id(), values), object.where(),
-          "hold attribute '" + name + "'");
+void write_attribute(const Object& object, const std::string& name, const Shape& shape,
+                     const std::vector<T>& values) {
+  constexpr ElementType type = element_type<T>();
+  const Handle attribute = new_attribute(object, name, type, shape);
+  if (values.empty()) return;  // HDF5 takes no pointer to nothing
+  const std::string where = object.where() + ": attribute '" + name + "'";
+  if constexpr (type == ElementType::text) {
+    write_texts(values, where, [&](hid_t memory, const void* data) {
+      return H5Awrite(attribute.id(), memory, data);
+    });
+  } else {
+    written(H5Awrite(attribute.id(), memory_type(type).id(), values.data()), where, "be written");
+  }
 }
 
-void write_strings(const Object& object, const std::string& name, const Shape& shape,
-                   const std::vector<std::string>& values) {
-  const Handle attribute = new_attribute(object, name, ElementType::text, shape);
-  if (values.empty()) return;
-  write_texts(
-      values, object.where() + ": attribute '" + name + "'",
-      [&](hid_t memory, const void* data) { return H5Awrite(attribute.id(), memory, data); });
+template <class T>
+void write_list(const Object& object, const std::string& name, const std::vector<T>& values) {
+  write_attribute(object, name, {std::ssize(values)}, values);
 }
 
 }  // namespace
@@ -106,27 +108,27 @@ std::vector<std::string> Object::attribute_names() const {
 
 // NOLINTBEGIN(readability-make-member-function-const): they change the file
 void Object::set_attribute(const std::string& name, double value) {
-  write_numbers(*this, name, {}, &value);
+  write_attribute<double>(*this, name, {}, {value});
 }
 
 void Object::set_attribute(const std::string& name, Index value) {
-  write_numbers(*this, name, {}, &value);
+  write_attribute<Index>(*this, name, {}, {value});
 }
 
 void Object::set_attribute(const std::string& name, const std::string& value) {
-  write_strings(*this, name, {}, {value});
+  write_attribute<std::string>(*this, name, {}, {value});
 }
 
 void Object::set_attribute(const std::string& name, const std::vector<double>& values) {
-  write_numbers(*this, name, {static_cast<Index>(values.size())}, values.data());
+  write_list(*this, name, values);
 }
 
 void Object::set_attribute(const std::string& name, const std::vector<Index>& values) {
-  write_numbers(*this, name, {static_cast<Index>(values.size())}, values.data());
+  write_list(*this, name, values);
 }
 
 void Object::set_attribute(const std::string& name, const std::vector<std::string>& values) {
-  write_strings(*this, name, {static_cast<Index>(values.size())}, values);
+  write_list(*this, name, values);
 }
 
 // NOLINTEND(readability-make-member-function-const)
@@ -139,34 +141,22 @@ ElementType Object::attribute_type(const std::string& name) const {
 namespace {
 
 template <class T>
-void take(std::vector<T> values, const std::string& where, T& value) {
-  if (values.size() != 1) {
-    throw InputError(fmt::format("{} holds {} values, must hold one", where, values.size()));
-  }
-  value = std::move(values.front());
-}
+constexpr bool is_list = false;
 template <class T>
-void take(std::vector<T> found, const std::string&, std::vector<T>& values) {
-  values = std::move(found);
-}
-
-template <class T>
-struct ElementOf {
-  using Type = T;
-};
-template <class T>
-struct ElementOf<std::vector<T>> {
-  using Type = T;
-};
+constexpr bool is_list<std::vector<T>> = true;
 
 }  // namespace
 
 template <class T>
 T Object::attribute(const std::string& name) const {
   const Attribute stored(*this, name);
-  T value;
-  take(stored.values<typename ElementOf<T>::Type>(), stored.where, value);
-  return value;
+  if constexpr (is_list<T>) {
+    return stored.values<typename T::value_type>();
+  } else {
+    std::vector<T> values = stored.values<T>();
+    if (values.size() == 1) return std::move(values.front());
+    throw InputError(fmt::format("{} holds {} values, must hold one", stored.where, values.size()));
+  }
 }
 
 template double Object::attribute(const std::string&) const;

@@ -52,21 +52,17 @@ bool is_rows(hid_t space, const Shape& shape, Index begin, Index count) {
   return is_it;
 }
 
-Handle properties_of(const Object& dataset) {
-  return opened(H5Dget_create_plist(dataset.id()), dataset.where(), "say how it is stored");
+std::size_t num_parts(const Handle& properties) {
+  std::size_t count = 0;
+  H5Pget_virtual_count(properties.id(), &count);
+  return count;
 }
 
-// Two names that are stored of each part.
-std::string mapped_file(const Handle& properties, std::size_t part) {
-  return text_of([&](char* text, std::size_t size) {
-    return H5Pget_virtual_filename(properties.id(), part, text, size);
-  });
-}
-
-std::string mapped_dataset(const Handle& properties, std::size_t part) {
-  return text_of([&](char* text, std::size_t size) {
-    return H5Pget_virtual_dsetname(properties.id(), part, text, size);
-  });
+// A name that is stored of each part: of its file, or of its dataset.
+std::string mapped_name(decltype(&H5Pget_virtual_filename) get, const Handle& properties,
+                        std::size_t part) {
+  return text_of(
+      [&](char* text, std::size_t size) { return get(properties.id(), part, text, size); });
 }
 
 std::filesystem::path file_of(const Dataset& dataset) {
@@ -82,10 +78,8 @@ bool is_virtual(const Object& dataset) {
 
 void check_mapping(const Object& dataset) {
   const Handle properties = properties_of(dataset);
-  std::size_t count = 0;
-  H5Pget_virtual_count(properties.id(), &count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::filesystem::path file = mapped_file(properties, i);
+  for (std::size_t i = 0; i < num_parts(properties); ++i) {
+    const std::filesystem::path file = mapped_name(H5Pget_virtual_filename, properties, i);
     const bool leaves = file.is_absolute() || std::ranges::find(file, "..") != file.end();
     if (!leaves) continue;
     throw InputError(dataset.where() + ": its part " + quoted(file.string()) +
@@ -101,7 +95,9 @@ VirtualParts::VirtualParts(const Dataset& whole)
   Index num_rows = 0;
   bool in_order = true;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    Part part{.file = files[i], .dataset = mapped_dataset(properties, i), .begin = num_rows};
+    Part part{.file = files[i],
+              .dataset = mapped_name(H5Pget_virtual_dsetname, properties, i),
+              .begin = num_rows};
     part.num_rows = opened(part).num_rows();
     num_rows += part.num_rows;
     const Handle in_whole(H5Pget_virtual_vspace(properties.id(), i));
@@ -122,12 +118,10 @@ VirtualParts::VirtualParts(const Dataset& whole)
 std::vector<std::filesystem::path> Dataset::part_files() const {
   if (!is_virtual(*this)) return {};
   const Handle properties = properties_of(*this);
-  std::size_t count = 0;
-  H5Pget_virtual_count(properties.id(), &count);
   const std::filesystem::path folder = file_of(*this).parent_path();
   std::vector<std::filesystem::path> files;
-  for (std::size_t i = 0; i < count; ++i) {
-    files.push_back(folder / mapped_file(properties, i));
+  for (std::size_t i = 0; i < num_parts(properties); ++i) {
+    files.push_back(folder / mapped_name(H5Pget_virtual_filename, properties, i));
     if (std::filesystem::exists(files.back())) continue;
     throw InputError(where() + ": its part '" + files.back().string() +
                      "' is missing; remove the joined file and rerun stage 'simulate'");
@@ -167,8 +161,7 @@ void VirtualParts::fail(const std::string& part, const InputError& error) const 
 
 Dataset Group::create_virtual_dataset(const std::string& name, ElementType type, const Shape& shape,
                                       const std::vector<VirtualSource>& sources) {
-  const std::string where =
-      file_ + ": dataset '" + (path_.empty() ? name : path_ + "/" + name) + "'";
+  const std::string where = where_of("dataset", name);
   const Handle properties = created(H5Pcreate(H5P_DATASET_CREATE), where, "make a virtual dataset");
   H5Pset_obj_track_times(properties.id(), false);
   const Handle space = space_of(extents(shape, shape.front()), where);

@@ -11,23 +11,15 @@
 
 namespace npdr::pipeline {
 
-struct Hasher::State {
-  XXH3_state_t* value = XXH3_createState();
-  State() {
-    if (value == nullptr) throw std::bad_alloc();
-    XXH3_128bits_reset(value);
-  }
-  ~State() { XXH3_freeState(value); }
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
-};
+Hasher::Hasher() : state_(XXH3_createState()) {
+  if (state_ == nullptr) throw std::bad_alloc();
+  XXH3_128bits_reset(state_.get());
+}
 
-Hasher::Hasher() : state_(std::make_unique<State>()) {}
-
-Hasher::~Hasher() = default;
+void Hasher::Free::operator()(XXH3_state_s* state) const { XXH3_freeState(state); }
 
 void Hasher::add_bytes(const void* data, std::size_t size) {
-  XXH3_128bits_update(state_->value, data, size);
+  XXH3_128bits_update(state_.get(), data, size);
 }
 
 void Hasher::add(std::string_view text) {
@@ -40,7 +32,7 @@ void Hasher::add(std::int64_t number) { add_bytes(&number, sizeof number); }
 void Hasher::add(double number) { add_bytes(&number, sizeof number); }
 
 std::string Hasher::hex() const {
-  const XXH128_hash_t hash = XXH3_128bits_digest(state_->value);
+  const XXH128_hash_t hash = XXH3_128bits_digest(state_.get());
   return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 

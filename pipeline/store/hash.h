@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+struct XXH3_state_s;
+
 namespace npdr::pipeline {
 
 /// Hashes what is added piece by piece. Texts and integers are delimited, so that moving a border
@@ -14,9 +16,6 @@ namespace npdr::pipeline {
 class Hasher {
  public:
   Hasher();
-  ~Hasher();
-  Hasher(const Hasher&) = delete;
-  Hasher& operator=(const Hasher&) = delete;
 
   void add_bytes(const void* data, std::size_t size);
   void add(std::string_view text);
@@ -27,8 +26,10 @@ class Hasher {
   std::string hex() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Free {
+    void operator()(XXH3_state_s* state) const;
+  };
+  std::unique_ptr<XXH3_state_s, Free> state_;
 };
 
 /// 32 hexadecimal digits of a file's bytes. Throws InputError when it can't be read.

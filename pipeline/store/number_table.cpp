@@ -19,8 +19,6 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr std::size_t kLongestLine = std::size_t{64} << 20;
-
 std::optional<double> parse_number(const std::string& field) {
   if (field == "NA") return kNaN;
   const char* const begin = field.data() + (field.starts_with('+') ? 1 : 0);
@@ -137,22 +135,14 @@ bool NumberTable::next_line() {
   return false;
 }
 
-// Unlike std::getline(), with a limit: a file of one endless line fits into no memory.
-bool NumberTable::read_line() try {
-  constexpr int end = std::char_traits<char>::eof();
-  std::streambuf& characters = *stream_.rdbuf();
-  line_.clear();
-  int c = characters.sbumpc();
-  if (c == end) return false;
-  for (; c != '\n' && c != end; c = characters.sbumpc()) {
-    if (line_.size() == kLongestLine) fail("is followed by one of more than 64 MiB");
-    line_.push_back(static_cast<char>(c));
+bool NumberTable::read_line() {
+  if (!std::getline(stream_, line_)) {
+    if (stream_.bad()) throw InputError(name_ + ": reading failed");
+    return false;
   }
-  has_line_end_ = c == '\n';
-  if (!line_.empty() && line_.back() == '\r') line_.pop_back();
+  has_line_end_ = !stream_.eof();
+  if (line_.ends_with('\r')) line_.pop_back();
   return true;
-} catch (const std::ios_base::failure&) {
-  throw InputError(name_ + ": reading failed");
 }
 
 // Names and units go on to terminals, tables and keys.
@@ -214,8 +204,7 @@ void NumberTable::fail(const std::string& message) const {
 
 std::vector<Index> find_columns(const std::string& where, const std::vector<Channel>& found,
                                 const std::vector<Channel>& expected) {
-  std::vector<std::string> labels;
-  for (const Channel& channel : found) labels.push_back(channel.label);
+  const std::vector<std::string> labels = labels_of(found);
   std::vector<Index> columns;
   for (const Channel& channel : expected) {
     const auto column = std::ranges::find(labels, channel.label);

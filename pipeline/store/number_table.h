@@ -42,8 +42,8 @@ class NumberTable {
   const std::vector<Channel>& columns() const { return columns_; }
   Index num_columns() const { return num_columns_; }
 
-  /// Goes on to the next row; false at the end. Throws InputError for a row of another length, an
-  /// empty line between rows, and a line of more than 64 MiB.
+  /// Goes on to the next row; false at the end. Throws InputError for a row of another length, and
+  /// an empty line between rows.
   bool next();
 
   /// The same, and reads its num_columns() numbers.

@@ -1,11 +1,13 @@
-#include "analysis/floor.h"
-
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <vector>
 
+#include "analysis/differential_evolution.h"
+#include "analysis/floor.h"
 #include "core/constants.h"
 #include "core/error.h"
 
@@ -33,18 +35,6 @@ double rastrigin(const Vector& theta) {
   return sum;
 }
 
-// Ackley (1987), moved: a nearly flat, rippled plane around a funnel with its minimum 0 at -7.
-double ackley(const Vector& theta) {
-  double squares = 0.0, cosines = 0.0;
-  for (const double t : theta) {
-    squares += (t + 7.0) * (t + 7.0);
-    cosines += std::cos(kTwoPi * (t + 7.0));
-  }
-  const auto n = static_cast<double>(theta.size());
-  return 20.0 - 20.0 * std::exp(-0.2 * std::sqrt(squares / n)) + std::numbers::e -
-         std::exp(cosines / n);
-}
-
 // Rosenbrock (1960): a bent valley, minimum 0 at 1.
 double rosenbrock(const Vector& theta) {
   double sum = 0.0;
@@ -65,22 +55,10 @@ TEST(Floor, FindsTheGlobalMinimumAmongManyLocalOnes) {
   EXPECT_NEAR(result.value, 0.0, 1e-9);
   for (const double t : result.theta) EXPECT_NEAR(t, 1.3, 1e-5);
   EXPECT_LT(result.restart_values.maxCoeff(), 1e-9);
-}
-
-TEST(Floor, FindsTheFunnelOfAckleysFunction) {
-  const FloorResult result = find_in_cube(rowwise(ackley), 10, 32.0);
-  EXPECT_NEAR(result.value, 0.0, 1e-4);  // a cusp: the value falls as slowly as the distance
-  for (const double t : result.theta) EXPECT_NEAR(t, -7.0, 1e-4);
-}
-
-TEST(Floor, FollowsABentValley) {
+  EXPECT_NEAR(find_in_cube(rowwise(rastrigin), 1, 5.12).theta(0), 1.3, 1e-6);
   FloorConfig config;
   config.max_generations = 400;
   EXPECT_NEAR(find_in_cube(rowwise(rosenbrock), 6, 2.0, config).value, 0.0, 1e-8);
-}
-
-TEST(Floor, WorksInOneDimension) {
-  EXPECT_NEAR(find_in_cube(rowwise(rastrigin), 1, 5.12).theta(0), 1.3, 1e-6);
 }
 
 // Ranges as different as those of the Furuta pendulum, a valley that couples neighbors, and the
@@ -163,25 +141,33 @@ TEST(Floor, AsksForWholePopulationsAndCountsItsQuestions) {
   EXPECT_EQ(result.value, -3.0);
 }
 
-TEST(Floor, PassesOnWhatTheObjectiveThrows) {
+TEST(Floor, PassesOnWhatTheObjectiveThrowsAndRejectsWhatItMiscounts) {
   // The population is fine; the first single point of the local search is not.
   const BatchObjective objective = [](const RowMatrix& theta) -> Vector {
     if (theta.rows() == 1) throw std::out_of_range("simulator");
     return theta.rowwise().sum();
   };
   EXPECT_THROW(find_in_cube(objective, 2, 1.0), std::out_of_range);
+  FloorConfig config;
+  config.max_generations = 2;
+  EXPECT_THROW(find_in_cube(rowwise([](const Vector&) { return kNaN; }), 2, 1.0, config), Error);
+  EXPECT_THROW(find_in_cube([](const RowMatrix&) { return Vector::Zero(1); }, 2, 1.0), ShapeError);
 }
 
 TEST(Floor, RejectsBadBoxesStartsAndConfigs) {
   const auto objective = rowwise(rastrigin);
   const Vector zero = Vector::Zero(2), one = Vector::Ones(2);
-  EXPECT_THROW(find_floor(objective, zero, Vector::Ones(3), RowMatrix()), ShapeError);
-  EXPECT_THROW(find_floor(objective, Vector(), Vector(), RowMatrix()), ShapeError);
-  EXPECT_THROW(find_floor(objective, one, zero, RowMatrix()), InputError);
-  EXPECT_THROW(find_floor(objective, zero, Vector::Constant(2, kNaN), RowMatrix()), InputError);
-  EXPECT_THROW(find_floor(objective, zero, one, RowMatrix::Zero(1, 3)), ShapeError);
-  EXPECT_THROW(find_floor(objective, zero, one, RowMatrix::Constant(1, 2, 1.5)), InputError);
-  EXPECT_THROW(find_floor(objective, zero, one, RowMatrix::Constant(1, 2, kNaN)), InputError);
+  const auto find = [&](const Vector& lower, const Vector& upper, const RowMatrix& start = {}) {
+    find_floor(objective, lower, upper, start);
+  };
+  EXPECT_THROW(find(zero, Vector::Ones(3)), ShapeError);
+  EXPECT_THROW(find(Vector(), Vector()), ShapeError);
+  EXPECT_THROW(find(one, zero), InputError);
+  EXPECT_THROW(find(zero, Vector::Constant(2, kNaN)), InputError);
+  EXPECT_THROW(find(zero, one, RowMatrix::Zero(1, 3)), ShapeError);
+  for (const double start : {1.5, kNaN}) {
+    EXPECT_THROW(find(zero, one, RowMatrix::Constant(1, 2, start)), InputError);
+  }
   for (const auto& spoil : std::vector<void (*)(FloorConfig&)>{
            [](FloorConfig& c) { c.num_restarts = 0; }, [](FloorConfig& c) { c.population = 3; },
            [](FloorConfig& c) { c.max_generations = -1; },
@@ -195,11 +181,59 @@ TEST(Floor, RejectsBadBoxesStartsAndConfigs) {
   }
 }
 
-TEST(Floor, RejectsAnObjectiveThatIsFiniteNowhereOrMiscounts) {
-  FloorConfig config;
-  config.max_generations = 2;
-  EXPECT_THROW(find_in_cube(rowwise([](const Vector&) { return kNaN; }), 2, 1.0, config), Error);
-  EXPECT_THROW(find_in_cube([](const RowMatrix&) { return Vector::Zero(1); }, 2, 1.0), ShapeError);
+Vector sphere(const RowMatrix& points) {
+  Vector values(points.rows());
+  for (Index i = 0; i < points.rows(); ++i)
+    values(i) = (points.row(i).array() - 0.4).square().sum();
+  return values;
+}
+
+TEST(DifferentialEvolution, FirstPopulationHasOnePointInEverySlice) {
+  DifferentialEvolutionConfig config;
+  config.population = 10;
+  config.max_generations = 0;
+  const auto result = differential_evolution(sphere, 3, RowMatrix(), config);
+  EXPECT_EQ(result.num_evaluations, 10);
+  for (Index d = 0; d < 3; ++d) {
+    std::vector<int> slices;
+    for (Index i = 0; i < 10; ++i) slices.push_back(static_cast<int>(10.0 * result.points(i, d)));
+    std::sort(slices.begin(), slices.end());
+    for (int k = 0; k < 10; ++k) EXPECT_EQ(slices[static_cast<std::size_t>(k)], k);
+  }
+}
+
+TEST(DifferentialEvolution, StaysInTheCubeAndReturnsTheBestFirst) {
+  DifferentialEvolutionConfig config;
+  config.population = 20;
+  config.max_generations = 15;
+  const BatchObjective objective = [](const RowMatrix& points) {
+    EXPECT_GE(points.minCoeff(), 0.0);
+    EXPECT_LE(points.maxCoeff(), 1.0);
+    return sphere(points);
+  };
+  const auto result = differential_evolution(objective, 4, RowMatrix(), config);
+  EXPECT_TRUE(std::is_sorted(result.values.begin(), result.values.end()));
+  EXPECT_EQ(sphere(result.points), result.values);
+}
+
+TEST(DifferentialEvolution, StopsWhenThePopulationAgrees) {
+  DifferentialEvolutionConfig config;
+  config.max_generations = 1000;
+  config.tolerance = 0.1;
+  const BatchObjective raised = [](const RowMatrix& points) -> Vector {
+    return sphere(points).array() + 1.0;
+  };
+  const auto result = differential_evolution(raised, 3, RowMatrix(), config);
+  EXPECT_LT(result.num_evaluations, 128 * 100);
+  EXPECT_LE(result.values(127) - result.values(0), 0.1 * result.values(0));
+}
+
+TEST(DifferentialEvolution, RestartsDrawOtherNumbers) {
+  DifferentialEvolutionConfig config;
+  config.max_generations = 1;
+  const auto first = differential_evolution(sphere, 2, RowMatrix(), config);
+  config.restart = 1;
+  EXPECT_NE(differential_evolution(sphere, 2, RowMatrix(), config).points, first.points);
 }
 
 }  // namespace

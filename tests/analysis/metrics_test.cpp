@@ -1,16 +1,15 @@
 #include "analysis/metrics.h"
 
-#include <gtest/gtest.h>
-#include <omp.h>
-
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "analysis/dtw.h"
 #include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "tests/message_of.h"
+#include "tests/thread_count.h"
 
 namespace npdr::analysis {
 namespace {
@@ -41,19 +40,15 @@ const std::vector<float> kSimulated = {2, 4, 1, 0, 7, 7, 1, 1, 1, 3, 7, 7};
 //   per channel sqrt((0 + 0 + 1) / 3), mean over channels sqrt(1/3)
 // Rollout 2: maxima (1, 1). Simulated (0, 0), (1, 1), (1, 3): errors 0, 0, (0, 2).
 //   channel 1: 0, channel 2: sqrt(4 / 3), mean sqrt(4 / 3) / 2 = sqrt(1/3)
-// Mean over rollouts: sqrt(1/3).
+// Mean over rollouts: sqrt(1/3). First channel only: rollout 1 sqrt(1/3), rollout 2 zero. With a
+// restart before action 3, the last compared state is the recorded one.
 TEST(Metrics, RmseMatchesACaseWorkedByHand) {
-  const Vector rmse = Metrics(small_target()).rmse(view_of(kSimulated, 1));
-  ASSERT_EQ(rmse.size(), 1);
-  EXPECT_NEAR(rmse(0), std::sqrt(1.0 / 3.0), 1e-15);
-}
-
-// The same, first channel only: rollout 1 sqrt(1/3), rollout 2 zero.
-TEST(Metrics, OnlySelectedChannelsCount) {
-  MetricsConfig config;
-  config.channels = {0};
-  EXPECT_NEAR(Metrics(small_target(), config).rmse(view_of(kSimulated, 1))(0),
-              std::sqrt(1.0 / 3.0) / 2, 1e-15);
+  const auto rmse = [](const MetricsConfig& config) {
+    return Metrics(small_target(), config).rmse(view_of(kSimulated, 1))(0);
+  };
+  EXPECT_NEAR(rmse({}), std::sqrt(1.0 / 3.0), 1e-15);
+  EXPECT_NEAR(rmse({{0}, 0}), std::sqrt(1.0 / 3.0) / 2, 1e-15);
+  EXPECT_EQ(rmse({{}, 2}), 0.0);
 }
 
 // The states after the last action: recorded (100, 100) twice, simulated (97, 96) and (100, 99), in
@@ -70,15 +65,15 @@ TEST(Metrics, FinalErrorIsTheMeanDistanceOfTheLastStates) {
 // Over the last step of 0.1 s, rollout 1 moves by 5 and rollout 2 by 1.
 TEST(Metrics, GoalIsTheShareOfTheRolloutsThatComeToRestThere) {
   const std::vector<float> simulated = {2, 4, 93, 93, 97, 96, 1, 1, 100, 98, 100, 99};
-  const auto reached = [&](const Goal& goal) {
-    return Metrics(small_target()).goal(view_of(simulated, 1), goal)(0);
-  };
-  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 0.5, 60.0}), 0.0);
-  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 2.0, 60.0}), 0.5);
-  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 5.0, 60.0}), 1.0);
-  EXPECT_EQ(reached({"", {0}, Vector::Constant(1, 97.0), 0.1, 60.0}), 0.5);
-  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 5.0, 40.0}), 0.5);
-  EXPECT_EQ(reached({"", {0, 1}, Eigen::Vector2d(100, 100), 5.0, 5.0}), 0.0);
+  const Vector place = Eigen::Vector2d(100, 100);
+  for (const auto& [goal, share] : {std::pair{Goal{"", {0, 1}, place, 0.5, 60.0}, 0.0},
+                                    {Goal{"", {0, 1}, place, 2.0, 60.0}, 0.5},
+                                    {Goal{"", {0, 1}, place, 5.0, 60.0}, 1.0},
+                                    {Goal{"", {0}, Vector::Constant(1, 97.0), 0.1, 60.0}, 0.5},
+                                    {Goal{"", {0, 1}, place, 5.0, 40.0}, 0.5},
+                                    {Goal{"", {0, 1}, place, 5.0, 5.0}, 0.0}}) {
+    EXPECT_EQ(Metrics(small_target()).goal(view_of(simulated, 1), goal)(0), share);
+  }
 }
 
 // The last of three steps begins a segment: in the recorded state.
@@ -102,30 +97,6 @@ TEST(Metrics, FailedRolloutsHaveNoEnd) {
   EXPECT_TRUE(std::isnan(metrics.final_error(view_of(simulated, 1))(0)));
   EXPECT_TRUE(
       std::isnan(metrics.goal(view_of(simulated, 1), {"", {0}, Vector::Zero(1), 1.0, 1.0})(0)));
-}
-
-// With a restart before action 3, the last compared state is the recorded one.
-TEST(Metrics, StatesAtARestartAreTheRecordedOnes) {
-  MetricsConfig config;
-  config.segment_length = 2;
-  EXPECT_EQ(Metrics(small_target(), config).rmse(view_of(kSimulated, 1))(0), 0.0);
-}
-
-// Rollout 1, normalized: recorded (0, 0), (1, 1/2), (-1/2, 1), simulated (0, 0), (1, 1/2), (1/2,
-// 0).
-//   accumulated cost of the last recorded state, open end, over n + m' for the three ends:
-//   sqrt(5) / 4 = 0.56, (sqrt(10)/2) / 5 = 0.32, (sqrt(1/2) + sqrt(2)) / 6 = 0.35
-// so the path ends at the second simulated state, at a cost of sqrt(10)/2.
-// Rollout 2: the path ends at the second simulated state as well, at cost 0.
-TEST(Metrics, DtwMatchesACaseWorkedByHand) {
-  EXPECT_NEAR(Metrics(small_target()).dtw(view_of(kSimulated, 1))(0), std::sqrt(10.0) / 4.0, 1e-15);
-}
-
-TEST(Metrics, OfThePerfectSimulationAreZero) {
-  const std::vector<float> simulated = {2, 4, -1, 8, 100, 100, 1, 1, 1, 1, 100, 100};
-  const Metrics metrics(small_target());
-  EXPECT_EQ(metrics.rmse(view_of(simulated, 1))(0), 0.0);
-  EXPECT_EQ(metrics.dtw(view_of(simulated, 1))(0), 0.0);
 }
 
 TEST(Metrics, AFailedSampleIsNanAndTheOthersAreNot) {
@@ -189,15 +160,9 @@ TEST(Metrics, DtwIsTheMeanOverRolloutsOfTheDistancesOfNormalizedSeries) {
 TEST(Metrics, SameBitsForAnyThreadCountAndBatch) {
   const RandomCase test = random_case();
   const Metrics metrics(test.target);
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
-  const Vector rmse = metrics.rmse(test.view());
-  const Vector dtw = metrics.dtw(test.view());
-  omp_set_num_threads(5);
-  EXPECT_EQ(metrics.rmse(test.view()), rmse);
-  EXPECT_EQ(metrics.dtw(test.view()), dtw);
-  omp_set_num_threads(threads);
   const TrajectoryView all = test.view();
+  expect_same_for_any_thread_count([&] { return std::pair{metrics.rmse(all), metrics.dtw(all)}; });
+  const Vector rmse = metrics.rmse(all), dtw = metrics.dtw(all);
   for (Index i = 0; i < all.num_samples; ++i) {
     const TrajectoryView one = {all.values.subspan(static_cast<std::size_t>(i * all.row_size()),
                                                    static_cast<std::size_t>(all.row_size())),
@@ -211,22 +176,18 @@ std::string problem_of(const Target& target, const MetricsConfig& config) {
   return message_of<InputError>([&] { const Metrics metrics(target, config); });
 }
 
-TEST(Metrics, NameTheChannelThatTheyCannotNormalize) {
-  Target target = small_target();
-  target.rollouts[1].states.col(1).setZero();
-  EXPECT_TRUE(
-      says(problem_of(target, {}), {"metrics: channel 'rate' of recorded rollout 'second' is 0 "
-                                    "throughout, so errors can't be divided by its maximum",
-                                    "leave out the rollout"}));
-  EXPECT_EQ(problem_of(target, {{0}, 0}), "");
-}
-
-TEST(Metrics, RejectWrongChannelsSegmentsAndShapes) {
-  EXPECT_EQ(problem_of(small_target(), {{2}, 0}), "metrics: channel 2, must be in [0, 1]");
-  EXPECT_EQ(problem_of(small_target(), {{0, 0}, 0}),
-            "metrics: channel 0 ('angle') is listed twice");
-  EXPECT_TRUE(
-      says(problem_of(small_target(), {{}, -1}), {"metrics: segment_length = -1", "must be >= 0"}));
+TEST(Metrics, RejectWhatTheyCannotNormalizeAndWrongShapes) {
+  Target still = small_target();
+  still.rollouts[1].states.col(1).setZero();
+  EXPECT_EQ(problem_of(still, {{0}, 0}), "");
+  const std::vector<std::tuple<Target, MetricsConfig, std::string>> cases = {
+      {still, {}, "channel 'rate' of recorded rollout 'second' is 0 throughout"},
+      {small_target(), {{2}, 0}, "channel 2, must be in [0, 1]"},
+      {small_target(), {{0, 0}, 0}, "channel 0 ('angle') is listed twice"},
+      {small_target(), {{}, -1}, "segment_length = -1, must be >= 0"}};
+  for (const auto& [target, config, said] : cases) {
+    EXPECT_TRUE(says(problem_of(target, config), {"metrics: " + said}));
+  }
   const std::vector<float> values(8);
   const Metrics metrics(small_target());
   EXPECT_THROW(metrics.rmse({values, 1, 1, 4, 2}), ShapeError);

@@ -1,13 +1,9 @@
 #include "analysis/predictive_scores.h"
 
-#include <gtest/gtest.h>
-#include <omp.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <string>
+#include <tuple>
 
 #include "analysis/summary.h"
 #include "core/constants.h"
@@ -15,6 +11,7 @@
 #include "core/normal.h"
 #include "core/random.h"
 #include "tests/message_of.h"
+#include "tests/thread_count.h"
 
 namespace npdr::analysis {
 namespace {
@@ -49,36 +46,8 @@ TEST(Crps, EqualsTheSumOverAllPairs) {
 }
 
 TEST(Crps, OfOneValueIsItsAbsoluteError) {
-  const std::vector<double> values = {2.0};
-  EXPECT_EQ(crps_of_sorted(values, 5.0), 3.0);
+  EXPECT_EQ(crps_of_sorted(std::vector<double>{2.0}, 5.0), 3.0);
   EXPECT_TRUE(std::isnan(crps_of_sorted({}, 5.0)));
-}
-
-// N(0, sigma^2) against sigma z: Gneiting and Raftery 2007, section 4.2. The mean of the fair score
-// is exact for ensembles as small as 5. Each of 400 channels is an independent repetition, so the
-// mean over them has the standard error std / 20. Five of these: false-alarm rate 6e-7 for each z,
-// fixed seed. The estimator that isn't fair would be 0.11 off, 20 standard errors.
-TEST(PredictiveScores, CrpsApproachesTheClosedFormOfAGaussian) {
-  const double sigma[] = {0.5, 3.0};
-  std::vector<float> values(5 * 2 * 10 * 400);
-  Stream({2, "predictive_scores_test"}).fill_normal(values);
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    values[k] *= static_cast<float>(sigma[k / (10 * 400) % 2]);
-  }
-  RowMatrix amplitude(2, 400);
-  amplitude.row(0).setConstant(sigma[0]);
-  amplitude.row(1).setConstant(sigma[1]);
-  for (const double z : {-1.5, 0.0, 2.5}) {
-    const std::vector<RowMatrix> observed = {RowMatrix::Constant(10, 400, sigma[0] * z),
-                                             RowMatrix::Constant(10, 400, sigma[1] * z)};
-    const Summary found =
-        summarize(predictive_scores({values, 5, 2, 10, 400}, observed, amplitude).crps);
-    const double expected = z * (2.0 * normal_cdf(z) - 1.0) +
-                            2.0 * std::exp(log_normal_density(z)) -
-                            1.0 / std::sqrt(std::numbers::pi);
-    EXPECT_NEAR(found.mean, expected, 5.0 * found.std / 20.0) << z;
-    EXPECT_LT(found.std / 20.0, 0.01);
-  }
 }
 
 // One sample (H, T, C) = (2, 2, 2). Errors of channel 0: 1, 2 over 2 and 4, 0 over 4; of channel 1:
@@ -112,40 +81,6 @@ TEST(PredictiveScores, CoverageMatchesACaseWorkedByHand) {
   RowMatrix expected(2, 2);
   expected << 0.5, 0.5, 0.25, 0.25;
   EXPECT_EQ(coverage, expected);
-}
-
-// Uniform samples and observations: a band of level p holds p (n - 1) / (n + 1). The share has the
-// standard error of N = H T = 4000 trials; four of them: false-alarm rate 6e-5 for each of 15
-// comparisons, fixed seed.
-TEST(PredictiveScores, ACalibratedEnsembleCoversItsLevels) {
-  const Index n = 40;
-  Stream stream({3, "predictive_scores_test"});
-  std::vector<float> values(static_cast<std::size_t>(n) * 2 * 2000 * 3);
-  for (float& v : values) v = static_cast<float>(stream.uniform());
-  std::vector<RowMatrix> observed = constant(2, 2000, 3, 0.0);
-  for (RowMatrix& rollout : observed) {
-    for (double& y : rollout.reshaped()) y = stream.uniform();
-  }
-  const std::vector<double> levels = {0.1, 0.3, 0.5, 0.8, 0.9};
-  const RowMatrix coverage =
-      predictive_scores({values, n, 2, 2000, 3}, observed, RowMatrix::Ones(2, 3), levels).coverage;
-  ASSERT_EQ(coverage.rows(), 5);
-  for (Index l = 0; l < 5; ++l) {
-    const double level = levels[static_cast<std::size_t>(l)];
-    const double expected = level * (n - 1.0) / (n + 1.0);
-    const double error = std::sqrt(expected * (1.0 - expected) / 4000.0);
-    for (Index c = 0; c < 3; ++c) {
-      EXPECT_NEAR(coverage(l, c), expected, 4.0 * error) << level;
-    }
-  }
-}
-
-TEST(PredictiveScores, AnswersForNoLevelsHaveNoRows) {
-  const std::vector<float> values = {1, 2};
-  const PredictiveScores scores =
-      predictive_scores({values, 2, 1, 1, 1}, constant(1, 1, 1, 0.0), RowMatrix::Ones(1, 1), {});
-  EXPECT_EQ(scores.coverage.rows(), 0);
-  EXPECT_EQ(scores.coverage.cols(), 1);
 }
 
 // Of white noise with these deviations (H, C).
@@ -214,17 +149,10 @@ TEST(PredictiveScores, SameBitsForAnyThreadCount) {
   const TrajectoryView view = {values, 50, 2, 30, 3};
   const std::vector<RowMatrix> observed = constant(2, 30, 3, 0.7);
   const RowMatrix scale = RowMatrix::Constant(2, 3, 0.3);
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
-  const PredictiveScores one = predictive_scores(view, observed, scale);
-  const Vector one_log_score = log_score(view, observed, gaussian(scale));
-  omp_set_num_threads(4);
-  const PredictiveScores four = predictive_scores(view, observed, scale);
-  const Vector four_log_score = log_score(view, observed, gaussian(scale));
-  omp_set_num_threads(threads);
-  EXPECT_EQ(one.crps, four.crps);
-  EXPECT_EQ(one.coverage, four.coverage);
-  EXPECT_EQ(one_log_score, four_log_score);
+  expect_same_for_any_thread_count([&] {
+    const PredictiveScores scores = predictive_scores(view, observed, scale);
+    return std::tuple{scores.crps, scores.coverage, log_score(view, observed, gaussian(scale))};
+  });
 }
 
 // White noise, of which the observation is one more draw: none of 100 samples is covered as seldom
@@ -262,43 +190,34 @@ TEST(PredictiveScores, SamplesThatFailedArentCompared) {
       compare_coverage({{&kFloatNaN, 1}, 1, 1, 1, 1}, constant(1, 1, 1, 0.0), 0.5).num_samples, 0);
 }
 
-// Scores for 6 values as (n, H, T, C) = (1, 1, 3, 2).
-void score(const std::vector<RowMatrix>& observed, const RowMatrix& amplitude, double level = 0.5) {
-  const std::vector<float> values(6);
-  predictive_scores({values, 1, 1, 3, 2}, observed, amplitude, {level});
-}
-
-TEST(PredictiveScores, RejectWrongShapes) {
+TEST(PredictiveScores, RejectWhatCannotBeScored) {
+  const std::vector<float> values(6), seven(7);
   const RowMatrix ones = RowMatrix::Ones(1, 2);
-  const auto problem = [](const auto&... arguments) {
-    return message_of<ShapeError>([&] { score(arguments...); });
-  };
-  EXPECT_EQ(problem(constant(2, 3, 2, 0.0), ones),
-            "predictive scores: 2 observed rollouts, must be 1");
-  EXPECT_EQ(problem(constant(1, 2, 2, 0.0), ones),
-            "predictive scores: observed rollout 0 has shape (2, 2), must be (3, 2)");
-  EXPECT_EQ(problem(constant(1, 3, 2, 0.0), RowMatrix::Ones(2, 2)),
-            "predictive scores: amplitude has shape (2, 2), must be (1, 2)");
-  const std::vector<float> values(7);
   const std::vector<RowMatrix> observed = constant(1, 3, 2, 0.0);
-  EXPECT_THROW(predictive_scores({values, 1, 1, 3, 2}, observed, ones), ShapeError);
-  EXPECT_THROW(log_score({values, 1, 1, 3, 2}, observed, gaussian(ones)), ShapeError);
-}
-
-TEST(PredictiveScores, RejectValuesThatCannotBeScored) {
-  const std::vector<RowMatrix> observed = constant(1, 3, 2, 0.0);
-  const RowMatrix ones = RowMatrix::Ones(1, 2);
-  const auto problem = [](const auto&... arguments) {
-    return message_of<InputError>([&] { score(arguments...); });
+  // For 6 values as (n, H, T, C) = (1, 1, 3, 2).
+  const auto score = [&](const std::vector<RowMatrix>& y, const RowMatrix& amplitude,
+                         double level = 0.5) {
+    return [&values, y, amplitude, level] {
+      predictive_scores({values, 1, 1, 3, 2}, y, amplitude, {level});
+    };
   };
-  EXPECT_TRUE(says(problem(constant(1, 3, 2, kNaN), ones),
-                   {"predictive scores: observed rollout 0", "isn't finite", "leave it out"}));
-  EXPECT_TRUE(says(problem(observed, RowMatrix{{1.0, 0.0}}),
-                   {"predictive scores: amplitude of channel 1 in rollout 0 = 0",
-                    "must be finite and > 0", "give 1"}));
-  EXPECT_EQ(problem(observed, ones, 1.0),
-            "predictive scores: level of a band = 1, must be in (0, 1)");
-  EXPECT_EQ(problem(observed, ones), "");
+  const auto expect = [](const std::string& message, const std::string& said) {
+    EXPECT_TRUE(says(message, {"predictive scores: " + said}));
+  };
+  EXPECT_NO_THROW(score(observed, ones)());
+  expect(message_of<ShapeError>(score(constant(2, 3, 2, 0.0), ones)),
+         "2 observed rollouts, must be 1");
+  expect(message_of<ShapeError>(score(constant(1, 2, 2, 0.0), ones)),
+         "observed rollout 0 has shape (2, 2), must be (3, 2)");
+  expect(message_of<ShapeError>(score(observed, RowMatrix::Ones(2, 2))),
+         "amplitude has shape (2, 2), must be (1, 2)");
+  expect(message_of<InputError>(score(constant(1, 3, 2, kNaN), ones)), "observed rollout 0");
+  expect(message_of<InputError>(score(observed, RowMatrix{{1.0, 0.0}})),
+         "amplitude of channel 1 in rollout 0 = 0, must be finite and > 0");
+  expect(message_of<InputError>(score(observed, ones, 1.0)),
+         "level of a band = 1, must be in (0, 1)");
+  EXPECT_THROW(predictive_scores({seven, 1, 1, 3, 2}, observed, ones), ShapeError);
+  EXPECT_THROW(log_score({seven, 1, 1, 3, 2}, observed, gaussian(ones)), ShapeError);
 }
 
 }  // namespace

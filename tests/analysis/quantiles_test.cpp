@@ -1,14 +1,15 @@
-#include "analysis/quantiles.h"
+// Ensembles of simulated states, and their quantiles.
 
-#include <gtest/gtest.h>
-#include <omp.h>
-
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "analysis/ensembles.h"
+#include "analysis/quantiles.h"
 #include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
+#include "tests/thread_count.h"
 
 namespace npdr::analysis {
 namespace {
@@ -56,21 +57,71 @@ TEST(Quantiles, LeaveOutFailedSamples) {
 TEST(Quantiles, SameBitsForAnyThreadCount) {
   std::vector<float> values(50 * 2 * 30 * 3);
   Stream({1, "quantiles_test"}).fill_normal(values);
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
-  const Bands one = quantile_bands({values, 50, 2, 30, 3});
-  omp_set_num_threads(4);
-  const Bands four = quantile_bands({values, 50, 2, 30, 3});
-  omp_set_num_threads(threads);
-  EXPECT_EQ(one.lower, four.lower);
-  EXPECT_EQ(one.median, four.median);
-  EXPECT_EQ(one.upper, four.upper);
+  expect_same_for_any_thread_count([&] {
+    const Bands bands = quantile_bands({values, 50, 2, 30, 3});
+    return std::vector{bands.lower, bands.median, bands.upper};
+  });
 }
 
 TEST(Quantiles, RejectWrongShapesAndCoverages) {
   const std::vector<float> values(12);
   EXPECT_THROW(quantile_bands({values, 1, 1, 5, 2}), ShapeError);
   EXPECT_THROW(quantile_bands({values, 1, 1, 6, 2}, 1.0), InputError);
+}
+
+constexpr Index kRollouts = 2, kSteps = 7, kStates = 3;  // 42 states: one block and a part of one
+
+// n samples with few values, so that many are equal.
+struct Simulated {
+  explicit Simulated(Index n) : values(static_cast<std::size_t>(n * kRollouts * kSteps * kStates)) {
+    Stream stream({1, "ensembles_test"});
+    for (float& v : values) v = static_cast<float>(stream.below(20)) - 10.0f;
+    view = {values, n, kRollouts, kSteps, kStates};
+    for (Index i = 0; i < n; ++i) {
+      if (i != 1) chosen.push_back(i);
+    }
+  }
+  std::vector<double> at(const Place& place) const {
+    std::vector<double> states;
+    for (const Index i : chosen) {
+      states.push_back(double{view.rollout(i, place.rollout)(place.time, place.channel)});
+    }
+    return states;
+  }
+
+  std::vector<float> values;
+  TrajectoryView view;
+  std::vector<Index> chosen;  // all samples but the second
+};
+
+std::vector<double> copy_of(std::span<const double> values) {
+  return {values.begin(), values.end()};
+}
+
+TEST(Ensembles, HoldEachStateOfTheChosenSamplesOnce) {
+  for (const Index n : {0, 1, 2, 5}) {
+    const Simulated simulated(n);
+    RowMatrixX<int> visits = RowMatrixX<int>::Zero(kRollouts * kSteps, kStates);
+    for_each_ensemble(simulated.view, simulated.chosen,
+                      [&](const Place& at, std::span<double> ensemble) {
+                        EXPECT_EQ(at.row, at.rollout * kSteps + at.time);
+                        ++visits(at.row, at.channel);
+                        EXPECT_EQ(copy_of(ensemble), simulated.at(at));
+                      });
+    EXPECT_TRUE((visits.array() == 1).all()) << n;
+  }
+}
+
+TEST(Ensembles, AreSortedAsTheStandardLibraryDoes) {
+  for (Index n = 0; n < 70; ++n) {
+    const Simulated simulated(n);
+    for_each_sorted_ensemble(simulated.view, simulated.chosen,
+                             [&](const Place& at, std::span<double> sorted) {
+                               std::vector<double> expected = simulated.at(at);
+                               std::ranges::sort(expected);
+                               EXPECT_EQ(copy_of(sorted), expected) << n;
+                             });
+  }
 }
 
 }  // namespace

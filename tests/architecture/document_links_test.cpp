@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <regex>
 #include <set>
 
@@ -65,42 +66,41 @@ std::set<std::string> anchors_of(const fs::path& file) {
   return anchors;
 }
 
-TEST(Documents, EveryLinkLeadsSomewhere) {
-  const std::regex link(R"(\]\(([^)\s]+)\))");
-  std::vector<std::string> broken;
+// What the pattern's first group matches in the documents is there.
+void expect_found(
+    const std::regex& pattern, int at_least,
+    const std::function<bool(const fs::path& file, const std::string& name)>& is_found) {
+  std::vector<std::string> missing;
   int count = 0;
   for (const fs::path& file : documents()) {
     const std::string text = prose_of(file);
-    for (std::sregex_iterator i(text.begin(), text.end(), link), end; i != end; ++i, ++count) {
-      const std::string target = (*i)[1];
-      if (target.starts_with("http")) continue;
-      const std::size_t hash = target.find('#');
-      const std::string name = target.substr(0, hash);
-      const fs::path to = name.empty() ? file : file.parent_path() / name;
-      const bool leads = fs::exists(to) && (hash == std::string::npos || to.extension() != ".md" ||
-                                            anchors_of(to).contains(target.substr(hash + 1)));
-      if (!leads) broken.push_back(file.filename().string() + ": " + target);
+    for (std::sregex_iterator i(text.begin(), text.end(), pattern), end; i != end; ++i, ++count) {
+      if (!is_found(file, (*i)[1]))
+        missing.push_back(file.filename().string() + ": " + (*i).str(1));
     }
   }
-  EXPECT_TRUE(broken.empty()) << join(broken, "\n");
-  EXPECT_GT(count, 100);
+  EXPECT_TRUE(missing.empty()) << join(missing, "\n");
+  EXPECT_GT(count, at_least);
+}
+
+TEST(Documents, EveryLinkLeadsSomewhere) {
+  const std::regex link(R"(\]\(([^)\s]+)\))");
+  expect_found(link, 100, [](const fs::path& file, const std::string& target) {
+    if (target.starts_with("http")) return true;
+    const std::size_t hash = target.find('#');
+    const std::string name = target.substr(0, hash);
+    const fs::path to = name.empty() ? file : file.parent_path() / name;
+    return fs::exists(to) && (hash == std::string::npos || to.extension() != ".md" ||
+                              anchors_of(to).contains(target.substr(hash + 1)));
+  });
 }
 
 // NAME stands for a name of the reader's.
 TEST(Documents, EverySourceFileThatIsNamedExists) {
   const std::regex path(R"(`((?:core|sim|inference|analysis|pipeline|tests|scripts)/[\w./-]+)`)");
-  std::vector<std::string> missing;
-  int count = 0;
-  for (const fs::path& file : documents()) {
-    const std::string text = prose_of(file);
-    for (std::sregex_iterator i(text.begin(), text.end(), path), end; i != end; ++i, ++count) {
-      const std::string name = (*i)[1];
-      if (name.find("NAME") != std::string::npos || fs::exists(kRoot / name)) continue;
-      missing.push_back(file.filename().string() + ": " + name);
-    }
-  }
-  EXPECT_TRUE(missing.empty()) << join(missing, "\n");
-  EXPECT_GT(count, 50);
+  expect_found(path, 50, [](const fs::path&, const std::string& name) {
+    return name.find("NAME") != std::string::npos || fs::exists(kRoot / name);
+  });
 }
 
 }  // namespace

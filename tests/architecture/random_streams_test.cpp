@@ -2,23 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
 #include <set>
 
 #include "core/text.h"
 #include "tests/architecture/source_root.h"
+#include "tests/temp_folder.h"
 
 namespace npdr::architecture {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 // Names that follow a seed, or an identity that they are another purpose of.
 std::set<std::string> stream_names() {

@@ -21,7 +21,7 @@ class Evidence : public CommandTest {
  protected:
   void SetUp() override {
     write("made", pendulum_study("made").method("M"));
-    ASSERT_EQ(npdr({"run", "made.toml", "--until", "target"}).status, 0);
+    npdr(0, {"run", "made.toml", "--until", "target"});
     for (const char* scale : {"0.05", "0.2"}) {
       const std::string name = std::string("noise-") + scale;
       write(name, study(name, std::string("scale = ") + scale));
@@ -34,18 +34,15 @@ class Evidence : public CommandTest {
 };
 
 TEST_F(Evidence, OfTwoNoiseModelsTheSmallerExplainsARecordingWithoutNoiseBetter) {
-  const Outcome early = npdr({"evidence", "noise-0.05.toml"});
-  EXPECT_EQ(early.status, 2);
-  EXPECT_TRUE(says(early.err, {"npdr evidence: noise-0.05.toml: has no refined posterior yet",
-                               "npdr run noise-0.05.toml"}));
+  EXPECT_TRUE(says(npdr(2, {"evidence", "noise-0.05.toml"}).err,
+                   {"npdr evidence: noise-0.05.toml: has no refined posterior yet",
+                    "npdr run noise-0.05.toml"}));
   for (const char* file : {"noise-0.05.toml", "noise-0.2.toml"}) {
-    const Outcome outcome = npdr({"run", file, "--until", "infer"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    npdr(0, {"run", file, "--until", "infer"});
   }
-  const Outcome text = npdr({"evidence", "noise-0.2.toml", "noise-0.05.toml"});
-  ASSERT_EQ(text.status, 0) << text.err;
-  EXPECT_TRUE(has(text.out, {"noise-0.05: Refined, 1", "white, scale 0.05", "the best",
-                             "noise-0.2: Refined, 1", "very strong evidence against it"}));
+  EXPECT_TRUE(has(npdr(0, {"evidence", "noise-0.2.toml", "noise-0.05.toml"}).out,
+                  {"noise-0.05: Refined, 1", "white, scale 0.05", "the best",
+                   "noise-0.2: Refined, 1", "very strong evidence against it"}));
   const Outcome outcome = npdr({"evidence", "noise-0.2.toml", "noise-0.05.toml", "--json"});
   const auto json = nlohmann::json::parse(outcome.out);
   const auto& models = json["models"];
@@ -62,16 +59,14 @@ TEST_F(Evidence, RefusesOtherData) {
   const auto write_with = [&](const std::string& name, const std::string& keys) {
     write(name, edited(edited(first, "\"first\"", "\"" + name + "\""),
                        "store_every = 40\nsegment_length = 200", keys));
-    EXPECT_EQ(npdr({"run", name + ".toml", "--until", "infer"}).status, 0);
+    npdr(0, {"run", name + ".toml", "--until", "infer"});
   };
   write_with("first", "store_every = 40\nsegment_length = 40");
   // Every stored state is the first of a segment, but another one is given with it.
   write_with("shorter", "store_every = 40\nsegment_length = 20");
   write_with("denser", "store_every = 20\nsegment_length = 40");
   for (const std::string other : {"shorter", "denser"}) {
-    const Outcome outcome = npdr({"evidence", "first.toml", other + ".toml"});
-    EXPECT_EQ(outcome.status, 2);
-    EXPECT_TRUE(says(outcome.err,
+    EXPECT_TRUE(says(npdr(2, {"evidence", "first.toml", other + ".toml"}).err,
                      {"npdr evidence: " + other + ".toml, infer Refined", "explains other numbers",
                       "store_every and segment_length must be the same"}));
   }

@@ -9,27 +9,17 @@ namespace fs = std::filesystem;
 
 using Names = std::vector<std::string>;
 
-class Export : public ::testing::Test {
+class Export : public CommandTest {
  protected:
-  Outcome npdr(Names words) const {
-    words.insert(words.begin(), "npdr");
-    return run(folder_.path(), words);
-  }
   void run_study(const StudyText& study) const {
     std::ofstream(folder_.path() / "study.toml") << study;
-    const Outcome outcome = npdr({"run", "study.toml", "--until", "evaluate"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    npdr(0, {"run", "study.toml", "--until", "evaluate"});
   }
   h5::File exported(const Names& options = {}) const {
-    Names words = {"export", "study.toml", "-o", "out.nc"};
-    words.insert(words.end(), options.begin(), options.end());
-    const Outcome outcome = npdr(words);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_EQ(outcome.out, "wrote out.nc\n");
+    EXPECT_EQ(npdr(0, joined({"export", "study.toml", "-o", "out.nc"}, options)).out,
+              "wrote out.nc\n");
     return h5::File::open(folder_ / "out.nc");
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(Export, SeedsAreChainsAndRolloutsArePredicted) {
@@ -59,18 +49,14 @@ TEST_F(Export, SeedsAreChainsAndRolloutsArePredicted) {
   EXPECT_EQ(file.group("constant_data").names(), (Names{"dt", "rollout", "time", "torque"}));
   const std::string study = text_of(folder_ / "study.toml");
   for (const Names& words : {Names{"out.nc"}, {"study.toml"}, {"study.toml", "--force"}}) {
-    Names all = {"export", "study.toml", "--only", "NPDR (MAF)", "-o"};
-    all.insert(all.end(), words.begin(), words.end());
-    const Outcome outcome = npdr(all);
-    EXPECT_EQ(outcome.status, 2);
-    EXPECT_TRUE(
-        says(outcome.err, {"npdr export: " + words.front() + ":",
-                           words.size() < 2 ? "add --force" : "an HDF5 file, which alone"}));
+    const Names all = {"export", "study.toml", "--only", "NPDR (MAF)", "-o"};
+    EXPECT_TRUE(says(npdr(2, joined(all, words)).err,
+                     {"npdr export: " + words.front() + ":",
+                      words.size() < 2 ? "add --force" : "an HDF5 file, which alone"}));
   }
   EXPECT_EQ(text_of(folder_ / "study.toml"), study) << "it would be lost";
-  const Outcome table = npdr({"export", "study.toml", "--method", "NPDR (MAF)", "-o", "out.csv"});
-  EXPECT_EQ(table.status, 2);
-  EXPECT_TRUE(says(table.err, {"npdr export: out.csv: would hold NetCDF", "call it .nc"}));
+  EXPECT_TRUE(says(npdr(2, {"export", "study.toml", "--method", "NPDR (MAF)", "-o", "out.csv"}).err,
+                   {"npdr export: out.csv: would hold NetCDF", "call it .nc"}));
 }
 
 TEST_F(Export, ParticlesKeepTheirWeightsInAGroupOfTheirOwn) {
@@ -96,16 +82,10 @@ TEST_F(Export, FeaturesStandInPlaceOfRollouts) {
                        "evaluate.num_samples=30",
                        "--set",
                        "method.training.max_epochs=3"};
-  const auto with = [&](Names words, const Names& more) {
-    words.insert(words.end(), small.begin(), small.end());
-    words.insert(words.end(), more.begin(), more.end());
-    const Outcome outcome = npdr(words);
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-  };
   fs::copy(fs::path(NPDR_SOURCE_DIR) / "experiments/external", folder_.path(),
            fs::copy_options::recursive);
-  with({"run"}, {"--until", "evaluate"});
-  with({"export"}, {"-o", "out.nc"});
+  npdr(0, joined({"run", "--until", "evaluate"}, small));
+  npdr(0, joined({"export", "-o", "out.nc"}, small));
   const h5::File file = h5::File::open(folder_ / "out.nc");
   EXPECT_EQ(file.names(),
             (Names{"observed_data", "posterior", "posterior_predictive", "prior", "sample_stats"}));
@@ -115,24 +95,23 @@ TEST_F(Export, FeaturesStandInPlaceOfRollouts) {
 
 TEST_F(Export, SaysWhatIsMissing) {
   std::ofstream(folder_.path() / "study.toml") << small_study();
-  const Outcome several = npdr({"export", "study.toml", "-o", "out.nc"});
-  EXPECT_EQ(several.status, 2);
-  EXPECT_TRUE(says(several.err, {"npdr export: study 'small' evaluates posteriors of 2 methods",
-                                 "--only: NPDR (MAF), NPDR (MoG)"}));
-  const Outcome early = npdr({"export", "study.toml", "-o", "out.nc", "--only", "NPDR (MAF)"});
-  EXPECT_EQ(early.status, 2);
   EXPECT_TRUE(
-      says(early.err, {"npdr export: evaluate NPDR (MAF), seed 1, round 2: isn't made yet; first:",
-                       "npdr run study.toml --only 'NPDR (MAF)'"}));
+      says(npdr(2, {"export", "study.toml", "-o", "out.nc"}).err,
+           {"npdr export: small: 2 methods have posteriors (NPDR (MAF), NPDR (MoG))", "--method"}));
+  EXPECT_TRUE(
+      says(npdr(2, {"export", "study.toml", "-o", "out.nc", "--only", "NPDR (MAF)"}).err,
+           {"npdr export: evaluate NPDR (MAF), seed 1, round 2: isn't there yet; run it first:",
+            "npdr run study.toml --only 'NPDR (MAF)'"}));
   EXPECT_FALSE(fs::exists(folder_ / "out.nc"));
 }
 
-// Needs a network that has these programs, and a minute to fetch them.
+// Needs a network that has these programs and, the first time, a minute to fetch them.
 TEST_F(Export, OpensInArvizAndXarray) {
   run_study(small_study().with("study", {"seeds = [3, 5]"}));
   exported({"--only", "NPDR (MAF)", "--predictions", "4"});
   const Outcome outcome =
-      run(folder_.path(), {NPDR_SOURCE_DIR "/tests/cli/open_export", "venv", "out.nc"});
+      run(folder_.path(), {NPDR_SOURCE_DIR "/tests/cli/open_export",
+                           NPDR_BINARY_DIR "/tests/cli/open_export.venv", "out.nc"});
   if (outcome.status == 77) GTEST_SKIP() << outcome.err;
   EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
 }

@@ -16,25 +16,17 @@ class External : public CommandTest {
  protected:
   External() { std::filesystem::copy(kExamples, folder_.path()); }
 
-  void run_well(std::vector<std::string> words) const {
-    words.insert(words.begin(), "run");
-    const Outcome outcome = npdr(words);
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-  }
+  void run_well(const std::vector<std::string>& words) const { npdr(0, joined({"run"}, words)); }
   // dataset.h5 of the example.
   Outcome import_dataset() const {
     const std::string folder = folder_.path().string();
     EXPECT_EQ(std::system(("sh " + folder + "/make_dataset.sh " + folder).c_str()), 0);
-    Outcome imported = npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
-    EXPECT_EQ(imported.status, 0) << imported.err;
-    return imported;
+    return npdr(0, {"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5"});
   }
   // By what a shell makes of theta.csv and x.csv.
   void change_dataset(const std::string& command) const {
     EXPECT_EQ(std::system(("cd '" + folder_.path().string() + "' && " + command).c_str()), 0);
-    const Outcome imported =
-        npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5", "--force"});
-    EXPECT_EQ(imported.status, 0) << imported.err;
+    npdr(0, {"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "dataset.h5", "--force"});
   }
   h5::File artefact(const std::string& study, const std::string& name) const {
     return h5::File::open(folder_ / "runs" / study / "npe-gaussian/seed-1/round-1" /

@@ -4,32 +4,22 @@
 namespace npdr::pipeline {
 namespace {
 
-class Help : public ::testing::Test {
- protected:
-  Outcome npdr(std::vector<std::string> words) const {
-    words.insert(words.begin(), "npdr");
-    return run(folder_.path(), words);
-  }
-  std::string folder() const { return folder_.path().string(); }
-  std::filesystem::path file(const std::string& name) const { return folder_.path() / name; }
-
- private:
-  TempFolder folder_;
-};
+class Help : public CommandTest {};
 
 TEST_F(Help, HelpListAndCompletionKnowAllCommands) {
   const std::string help = npdr({"help"}).out, man = npdr({"man"}).out;
   const std::string offered = npdr({"__complete", ""}).out;
-  for (const char* name : {"run", "sample", "list", "open", "completion", "log-prob"}) {
+  for (const char* name : {"run", "status", "explain", "validate", "new", "list", "import",
+                           "inspect", "verify", "sample", "open", "completion", "log-prob"}) {
     const std::string own = npdr({"help", name}).out;
     EXPECT_EQ(own, npdr({name, "--help"}).out);
-    EXPECT_NE(own.find("npdr " + std::string(name)), std::string::npos) << "an example\n" << own;
-    EXPECT_NE(own.find("Example"), std::string::npos) << own;
-    EXPECT_NE(help.find("  " + std::string(name) + " "), std::string::npos) << help;
-    EXPECT_NE(offered.find(std::string(name) + "\t"), std::string::npos) << offered;
+    EXPECT_TRUE(has(own, "npdr " + std::string(name))) << "an example\n" << own;
+    EXPECT_TRUE(has(own, "Example"));
+    EXPECT_TRUE(has(help, "  " + std::string(name) + " "));
+    EXPECT_TRUE(has(offered, std::string(name) + "\t"));
     std::string in_roff = name;
     if (in_roff == "log-prob") in_roff = "log\\-prob";
-    EXPECT_NE(man.find(".SS npdr " + in_roff + "\n"), std::string::npos) << man;
+    EXPECT_TRUE(has(man, ".SS npdr " + in_roff + "\n"));
   }
   EXPECT_TRUE(says(npdr({"help", "runn"}).err,
                    {"npdr help: unknown command 'runn' (did you mean 'run'?)"}));
@@ -44,15 +34,12 @@ TEST_F(Help, HelpFitsIntoATerminal) {
     std::getline(lines, line);  // the command in a sentence
     while (std::getline(lines, line)) EXPECT_LE(line.size(), 80) << name << ": " << line;
   }
-  EXPECT_NE(npdr({"help", "run"}).out.find("the last stage to run: target, held_out,"),
-            std::string::npos);
+  EXPECT_TRUE(has(npdr({"help", "run"}).out, "the last stage to run: target, held_out,"));
 }
 
 TEST_F(Help, WhatCantBeReadIsNamedAndLeadsToHelp) {
   const auto fails = [&](const std::vector<std::string>& words, const std::string& message) {
-    const Outcome outcome = npdr(words);
-    EXPECT_EQ(outcome.status, 2);
-    EXPECT_EQ(outcome.err, message + "\n");
+    EXPECT_EQ(npdr(2, words).err, message + "\n");
   };
   fails({},
         "npdr: no command; 'npdr new NAME' begins a study, 'npdr run STUDY' brings one up to "
@@ -64,8 +51,8 @@ TEST_F(Help, WhatCantBeReadIsNamedAndLeadsToHelp) {
 
 // What bash would offer for the words of a line.
 TEST_F(Help, BashCompletesCommandsOptionsAndValues) {
-  EXPECT_EQ(npdr({"new", "study"}).status, 0);
-  std::ofstream(file("complete.sh")) << npdr({"completion", "bash"}).out << R"(
+  npdr(0, {"new", "study"});
+  folder_.file("complete.sh", npdr({"completion", "bash"}).out + R"(
 offer() {
   COMP_WORDS=("$@") COMP_CWORD=$(($# - 1))
   _npdr
@@ -78,11 +65,12 @@ offer npdr list me
 offer npdr run st
 offer npdr run study.toml --only N
 offer npdr run nothing.toml --only N
-)";
-  const std::string command =
-      "cd " + folder() + " && PATH=" NPDR_BINARY_DIR "/bin:$PATH bash complete.sh > offered.txt";
+)");
+  const std::string command = "cd " + folder_.path().string() +
+                              " && PATH=" NPDR_BINARY_DIR
+                              "/bin:$PATH bash complete.sh > offered.txt";
   ASSERT_EQ(std::system(command.c_str()), 0);
-  EXPECT_EQ(text_of(file("offered.txt")),
+  EXPECT_EQ(text_of(folder_ / "offered.txt"),
             "status\n--until\npolicy policy_test\nmethods metrics\n\n"
             R"(NPDR\ \(MAF\) NPDR\ \(MoG\))"
             "\n\n");
@@ -90,15 +78,15 @@ offer npdr run nothing.toml --only N
 
 TEST_F(Help, ListSaysWhatThereIsToListAndALineAboutEach) {
   const std::string lists = npdr({"list"}).out;
-  for (const char* name : {"simulators", "methods", "priors", "keys", "layouts"}) {
-    EXPECT_NE(lists.find("npdr list " + std::string(name)), std::string::npos) << lists;
+  for (const char* name :
+       {"simulators", "methods", "embeddings", "estimators", "priors", "keys", "layouts"}) {
+    EXPECT_TRUE(has(lists, "npdr list " + std::string(name)));
     EXPECT_EQ(npdr({"list", name}).status, 0) << name;
   }
-  EXPECT_NE(npdr({"list", "priors"}).out.find("log_uniform        [low, high] with low > 0"),
-            std::string::npos);
+  EXPECT_TRUE(has(npdr({"list", "priors"}).out, "log_uniform        [low, high] with low > 0"));
   const std::string keys = npdr({"list", "keys", "method.training"}).out;
   EXPECT_TRUE(keys.starts_with("method.training.")) << keys;
-  EXPECT_EQ(keys.find("prior"), std::string::npos);
+  EXPECT_FALSE(has(keys, "prior"));
   EXPECT_TRUE(says(npdr({"list", "keys", "method.trainin_"}).err,
                    {"npdr list: unknown beginning of a key 'method.trainin_'",
                     "did you mean 'method.training'?"}));
@@ -107,19 +95,9 @@ TEST_F(Help, ListSaysWhatThereIsToListAndALineAboutEach) {
 }
 
 TEST_F(Help, NewWritesAStudyThatIsValid) {
-  EXPECT_EQ(npdr({"new", "mine"}).status, 0);
-  EXPECT_EQ(npdr({"validate", "mine.toml"}).status, 0);
-  EXPECT_EQ(npdr({"new", "mine"}).status, 2);
-}
-
-TEST_F(Help, HelpAndListsAreThere) {
-  for (const char* command : {"run", "status", "explain", "validate", "new", "list", "import",
-                              "inspect", "verify", "sample", "log-prob"}) {
-    EXPECT_EQ(npdr({command, "--help"}).status, 0) << command;
-  }
-  for (const char* what : {"simulators", "methods", "embeddings", "estimators", "keys"}) {
-    EXPECT_FALSE(npdr({"list", what}).out.empty()) << what;
-  }
+  npdr(0, {"new", "mine"});
+  npdr(0, {"validate", "mine.toml"});
+  npdr(2, {"new", "mine"});
 }
 
 }  // namespace

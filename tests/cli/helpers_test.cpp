@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/refinement_file.h"
@@ -13,9 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// What a refinement gives alone, which each suite makes once.
 class Helpers : public ::testing::Test {
  protected:
-  void SetUp() override {
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder;
     refine_alone(furuta_study("small")
                      .with("target", {"num_rollouts = 6"})
                      .with("simulator", {"store_every = 20"})
@@ -26,44 +29,63 @@ class Helpers : public ::testing::Test {
                                          "max_simulations = 3000 }"})
                      .with("cluster", {"refine_tasks = 2"}));
   }
+  static void TearDownTestSuite() { delete folder_; }
 
-  void refine_alone(const StudyText& study) {
-    std::ofstream(folder_ / "small.toml") << study;
-    const Outcome alone = run(folder_.path(), inference("alone"));
-    ASSERT_EQ(alone.status, 0) << alone.err;
-    reference_ = digests(folder_ / "alone/small");
-    for (const std::string& name : files_ending(folder_ / "alone/.cache/infer", ".h5")) {
-      key_ = fs::path(name).stem();
-    }
+  static void refine_alone(const StudyText& study) {
+    folder_->file("small.toml", study);
+    refine("alone");
+    reference_ = digests(file("alone/small"));
+    key_ = key_of("infer", "alone");
   }
 
-  static std::vector<std::string> inference(const std::string& work) {
-    return {"npdr", "run", "small.toml", "--until", "infer", "--work", work};
+  static fs::path file(const std::string& name) { return folder_->path() / name; }
+  static std::string key_of(const std::string& stage, const std::string& work) {
+    const std::set<std::string> names = files_ending(file(work) / ".cache" / stage, ".h5");
+    return names.empty() ? "" : fs::path(*names.rbegin()).stem();
   }
-  std::vector<std::string> help(const std::string& helper, const std::string& work) const {
+
+  using Words = std::vector<std::string>;
+  static Words inference(const std::string& work, const std::string& until = "infer") {
+    return {"npdr", "run", "small.toml", "--until", until, "--work", work};
+  }
+  static Words help(const std::string& helper, const std::string& work) {
     return {"npdr-simulate", "small.toml", "--artefact", key_.substr(0, 12),
             "--helper",      helper,       "--work",     work};
   }
+  static void refine(const std::string& work, const Words& more = {}) {
+    with_status(0, run(folder_->path(), joined(inference(work), more)));
+  }
+  // Ends a refinement that is at work by a signal, `seconds` after some rows are there.
+  static void begin_and_end(const std::string& work, int signal, double seconds,
+                            const Words& more = {}) {
+    const Program refinement(folder_->path(), joined(inference(work), more), {"out", "err"});
+    EXPECT_TRUE(comes_true([&] { return has_rows(work) || refinement.has_ended(); }));
+    EXPECT_FALSE(refinement.ends_within(seconds)) << "a signal must meet it at work";
+    refinement.send(signal);
+    refinement.wait();
+  }
 
   // A helper of a refinement that hasn't begun.
-  Program begin_helper(const std::string& helper, const std::string& work) const {
-    run(folder_.path(), {"npdr", "run", "small.toml", "--until", "target", "--work", work});
+  static Program begin_helper(const std::string& helper, const std::string& work,
+                              const Words& more = {}) {
+    run(folder_->path(), inference(work, "target"));
     const std::string name = helper.substr(0, 1);
-    Program program(folder_.path(), help(helper, work), {"out" + name, "err" + name});
+    Program program(folder_->path(), joined(help(helper, work), more),
+                    {"out" + name, "err" + name});
     EXPECT_TRUE(comes_true([&] { return fs::exists(rows_folder(work)) || program.has_ended(); }));
     return program;
   }
 
-  fs::path rows_folder(const std::string& work) const {
-    return folder_ / work / ".cache/infer" / (key_ + ".rows");
+  static fs::path rows_folder(const std::string& work) {
+    return file(work) / ".cache/infer" / (key_ + ".rows");
   }
-  bool has_rows(const std::string& work) const {
+  static bool has_rows(const std::string& work) {
     const std::set<std::string> names = files_ending(rows_folder(work), ".h5");
     return std::ranges::any_of(names, [](const auto& name) { return name.starts_with("rows-"); });
   }
 
-  void expect_same_bits(const std::string& work) const {
-    EXPECT_EQ(digests(folder_ / work / "small"), reference_);
+  static void expect_same_bits(const std::string& work) {
+    EXPECT_EQ(digests(file(work) / "small"), reference_);
     EXPECT_FALSE(fs::exists(rows_folder(work)));
   }
   static void expect_help(const Outcome& helper) {
@@ -72,74 +94,59 @@ class Helpers : public ::testing::Test {
     EXPECT_FALSE(has(helper.out, "helped with 0 rows"));
   }
 
-  TempFolder folder_;
-  std::string key_;
-  std::map<std::string, std::string> reference_;
+  inline static TempFolder* folder_ = nullptr;
+  inline static std::string key_;
+  inline static std::map<std::string, std::string> reference_;
 };
 
 TEST_F(Helpers, GiveTheSameBits) {
   const Program only = begin_helper("1/1", "one");
-  EXPECT_EQ(run(folder_.path(), inference("one")).status, 0);
+  refine("one");
   expect_help(only.wait());
   expect_same_bits("one");
 
   const Program first = begin_helper("1/2", "two"), second = begin_helper("2/2", "two");
-  EXPECT_EQ(run(folder_.path(), inference("two")).status, 0);
+  refine("two");
   expect_help(first.wait());
   expect_help(second.wait());
   expect_same_bits("two");
-  const Outcome late = run(folder_.path(), help("1/1", "two"));
-  EXPECT_EQ(late.status, 0);
-  EXPECT_TRUE(has(late.out, "is there already, no rows to help with"));
+  EXPECT_TRUE(
+      has(with_status(0, run(folder_->path(), help("1/1", "two"))).out, "helped with 0 rows"));
 }
 
 TEST_F(Helpers, WaitForWhatTheRefinementNeeds) {
-  const Program helper(folder_.path(), help("1/1", "early"), {"out1", "err1"});
-  EXPECT_TRUE(comes_true([&] {
-    return text_of(folder_ / "err1").find("waits for what it starts from") != std::string::npos;
-  }));
-  EXPECT_EQ(run(folder_.path(), inference("early")).status, 0);
-  const Outcome outcome = helper.wait();
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Program helper(folder_->path(), help("1/1", "early"), {"out1", "err1"});
+  EXPECT_TRUE(
+      comes_true([&] { return has(text_of(file("err1")), "waits for what it starts from"); }));
+  refine("early");
+  with_status(0, helper.wait());
   expect_same_bits("early");
 }
 
 TEST_F(Helpers, MayBeKilledOrComeLate) {
   const Program first = begin_helper("1/2", "killed");
-  const Program refinement(folder_.path(), inference("killed"), {"out", "err"});
+  const Program refinement(folder_->path(), inference("killed"), {"out", "err"});
   EXPECT_TRUE(comes_true([&] { return has_rows("killed") || refinement.has_ended(); }));
   EXPECT_FALSE(refinement.has_ended() || first.has_ended()) << "a kill must meet both at work";
   first.send(SIGKILL);
   first.wait();
-  const Program second(folder_.path(), help("2/2", "killed"), {"out2", "err2"});
+  const Program second(folder_->path(), help("2/2", "killed"), {"out2", "err2"});
   EXPECT_EQ(refinement.wait().status, 0);
   EXPECT_EQ(second.wait().status, 0);
   expect_same_bits("killed");
 }
 
 TEST_F(Helpers, AlsoSimulateWhatPredictsLeftOutRollouts) {
-  const auto with_power = [](std::vector<std::string> words) {
-    words.insert(words.end(), {"--set", "method.refine.cross_validate=true"});
-    return words;
-  };
-  ASSERT_EQ(run(folder_.path(), with_power(inference("power-alone"))).status, 0);
-  run(folder_.path(), {"npdr", "run", "small.toml", "--until", "target", "--work", "power"});
-  for (const std::string& name : files_ending(folder_ / "power-alone/.cache/infer", ".h5")) {
-    key_ = fs::path(name).stem();
-  }
-  const Program helper(folder_.path(), with_power(help("1/1", "power")), {"out1", "err1"});
-  EXPECT_TRUE(comes_true([&] { return fs::exists(rows_folder("power")) || helper.has_ended(); }));
+  const Words power = {"--set", "method.refine.cross_validate=true"};
+  refine("power-alone", power);
+  const std::string key = std::exchange(key_, key_of("infer", "power-alone"));
+  const Program helper = begin_helper("1/1", "power", power);
   // Ended in between, the refinement finds what has been simulated for it.
-  for (const int signal : {SIGTERM, SIGKILL, SIGTERM}) {
-    const Program refinement(folder_.path(), with_power(inference("power")), {"out", "err"});
-    EXPECT_TRUE(comes_true([&] { return has_rows("power") || refinement.has_ended(); }));
-    EXPECT_FALSE(refinement.ends_within(0.3)) << "a signal must meet it at work";
-    refinement.send(signal);
-    refinement.wait();
-  }
-  EXPECT_EQ(run(folder_.path(), with_power(inference("power"))).status, 0);
+  for (const int signal : {SIGTERM, SIGKILL, SIGTERM}) begin_and_end("power", signal, 0.3, power);
+  refine("power", power);
   expect_help(helper.wait());
-  EXPECT_EQ(digests(folder_ / "power/small"), digests(folder_ / "power-alone/small"));
+  EXPECT_EQ(digests(file("power/small")), digests(file("power-alone/small")));
+  key_ = key;
 }
 
 TEST_F(Helpers, StopOnRequest) {
@@ -153,15 +160,8 @@ TEST_F(Helpers, OutliveTheRefinement) {
   for (const int signal : {SIGKILL, SIGTERM}) {
     const std::string work = "ended-" + std::to_string(signal);
     const Program helper = begin_helper("1/1", work);
-    for (int i = 0; i < 4; ++i) {
-      const Program refinement(folder_.path(), inference(work), {"out", "err"});
-      EXPECT_TRUE(comes_true([&] { return has_rows(work) || refinement.has_ended(); }));
-      EXPECT_FALSE(refinement.ends_within(0.1 * i)) << "a signal must meet it at work";
-      refinement.send(signal);
-      refinement.wait();
-    }
-    const Outcome last = run(folder_.path(), inference(work));
-    EXPECT_EQ(last.status, 0) << last.err;
+    for (int i = 0; i < 4; ++i) begin_and_end(work, signal, 0.1 * i);
+    refine(work);
     expect_help(helper.wait());
     expect_same_bits(work);
   }
@@ -171,9 +171,10 @@ TEST_F(Helpers, OutliveTheRefinement) {
 // has been simulated from others counts no more.
 class HelpersOfFirstStates : public Helpers {
  protected:
-  void SetUp() override {
-    sim::compile_library(sim::spring_source(), folder_ / "spring.so");
-    write_recording(recorded(), folder_ / "recording.h5");
+  static void SetUpTestSuite() {
+    folder_ = new TempFolder;
+    sim::compile_library(sim::spring_source(), file("spring.so"));
+    write_recording(recorded(), file("recording.h5"));
     refine_alone(StudyText("small")
                      .with("target", {"recording = \"recording.h5\"", "num_rollouts = 4"})
                      .with("simulator", {"library = \"spring.so\""})
@@ -209,45 +210,39 @@ class HelpersOfFirstStates : public Helpers {
 };
 
 TEST_F(HelpersOfFirstStates, GiveTheSameBits) {
-  const h5::File alone = h5::File::open((folder_ / "alone/.cache/infer" / (key_ + ".h5")).string());
+  const h5::File alone = h5::File::open(file("alone/.cache/infer") / (key_ + ".h5"));
   EXPECT_GE(read_part<FirstStateMoves>(alone)->count, 1);
   const Program helper = begin_helper("1/1", "one");
-  EXPECT_EQ(run(folder_.path(), inference("one")).status, 0);
+  refine("one");
   expect_help(helper.wait());
   expect_same_bits("one");
   // Stopped again and again, each time with a checkpoint.
-  for (int i = 0; i < 6; ++i) {
-    const Program refinement(folder_.path(), inference("stopped"), {"out", "err"});
+  for (int i = 0; i < 4; ++i) {
+    const Program refinement(folder_->path(), inference("stopped"), {"out", "err"});
     const bool has_ended = refinement.ends_within(0.3 + 0.15 * i);
     EXPECT_FALSE(i == 0 && has_ended) << "a signal must meet it at work";
     refinement.send(SIGTERM);
     refinement.wait();
   }
-  EXPECT_EQ(run(folder_.path(), inference("stopped")).status, 0);
+  refine("stopped");
   expect_same_bits("stopped");
 }
 
 TEST_F(Helpers, SayWhatIsWrong) {
   const auto expect = [&](std::vector<std::string> words, const char* message) {
-    words.insert(words.begin(), {"npdr-simulate", "small.toml", "--work", "alone"});
-    const Outcome outcome = run(folder_.path(), words);
-    EXPECT_EQ(outcome.status, 2) << outcome.err;
-    EXPECT_TRUE(has(outcome.err, message));
+    words = joined({"npdr-simulate", "small.toml", "--work", "alone"}, words);
+    EXPECT_TRUE(has(with_status(2, run(folder_->path(), words)).err, message));
   };
   for (const char* helper : {"1", "0/2", "3/2", "1/2/3", "x/2", "1/1001"}) {
     expect({"--artefact", key_, "--helper", helper}, "must be I/N with 1 <= I <= N <= 1000");
   }
   expect({"--helper", "1/2"}, "must come with --artefact KEY");
   expect({"--helper", "1/2", "--artefact", key_, "--shard", "1"}, "without --shard");
-  std::string target;
-  for (const std::string& name : files_ending(folder_ / "alone/.cache/target", ".h5")) {
-    target = fs::path(name).stem();
-  }
-  expect({"--helper", "1/2", "--artefact", target}, "has no rows to help with");
-  EXPECT_TRUE(has(run(folder_.path(), {"npdr-simulate", "--help"}).out, "--helper"));
-  run(folder_.path(), {"npdr", "run", "small.toml", "--until", "target", "--work", "new"});
-  const Outcome tasks = run(folder_.path(), {"npdr", "tasks", "small.toml", "--work", "new"});
-  EXPECT_TRUE(has(tasks.out, "--helper 2/2"));
+  expect({"--helper", "1/2", "--artefact", key_of("target", "alone")}, "has no rows to help with");
+  EXPECT_TRUE(has(run(folder_->path(), {"npdr-simulate", "--help"}).out, "--helper"));
+  run(folder_->path(), inference("new", "target"));
+  EXPECT_TRUE(has(run(folder_->path(), {"npdr", "tasks", "small.toml", "--work", "new"}).out,
+                  "--helper 2/2"));
 }
 
 }  // namespace

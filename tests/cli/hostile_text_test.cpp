@@ -60,27 +60,38 @@ for name in sys.argv[1:]:
     readers[name.rsplit(".", 1)[1]](open(name, encoding="utf-8", newline="").read())
 )py";
 
-// The text of all files is UTF-8 that only shows something, and its format's parser takes it.
-// Returns how many there were.
-Index expect_parsed(const TempFolder& folder, const std::filesystem::path& made) {
-  folder.file("parse.py", kParsers);
-  std::string parse =
-      "cd '" + made.string() + "' && python3 -I '" + (folder / "parse.py").string() + "'";
-  Index num_files = 0;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(made)) {
-    const std::string extension = entry.path().extension();
-    if (!entry.is_regular_file() || extension == ".h5" || extension == ".png" ||
-        extension == ".pdf") {
-      continue;
-    }
-    ++num_files;
-    const std::string text = text_of(entry.path());
-    EXPECT_EQ(printable(text), text) << entry.path();
-    parse += " '" + entry.path().lexically_relative(made).string() + "'";
+class HostileText : public CommandTest {
+ protected:
+  // What is said is text that only shows something.
+  Outcome npdr(const std::vector<std::string>& words) const { return npdr(0, words); }
+  Outcome npdr(int status, const std::vector<std::string>& words) const {
+    const Outcome outcome = CommandTest::npdr(status, words);
+    for (const std::string& text : {outcome.out, outcome.err}) EXPECT_EQ(printable(text), text);
+    return outcome;
   }
-  EXPECT_EQ(std::system(parse.c_str()), 0) << parse;
-  return num_files;
-}
+
+  // The text of all files is UTF-8 that only shows something, and its format's parser takes it.
+  // Returns how many there were.
+  Index expect_parsed(const std::filesystem::path& made) const {
+    folder_.file("parse.py", kParsers);
+    std::string parse =
+        "cd '" + made.string() + "' && python3 -I '" + (folder_ / "parse.py").string() + "'";
+    Index num_files = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(made)) {
+      const std::string extension = entry.path().extension();
+      if (!entry.is_regular_file() || extension == ".h5" || extension == ".png" ||
+          extension == ".pdf") {
+        continue;
+      }
+      ++num_files;
+      const std::string text = text_of(entry.path());
+      EXPECT_EQ(printable(text), text) << entry.path();
+      parse += " '" + entry.path().lexically_relative(made).string() + "'";
+    }
+    EXPECT_EQ(std::system(parse.c_str()), 0) << parse;
+    return num_files;
+  }
+};
 
 std::string hostile_study() {
   return command_study("hostile")
@@ -104,26 +115,17 @@ std::string swing(const std::string& action, double amplitude = 1.0) {
   return table;
 }
 
-TEST(HostileText, IsTextInAllOutputs) {
-  const TempFolder folder;
-  folder.file("s.toml", hostile_study());
-  folder.file("x_o.csv", "\"" + kLabel + " [m]\",b\x07 [\x1b]\n0.5,0.3\n");
+TEST_F(HostileText, IsTextInAllOutputs) {
+  folder_.file("s.toml", hostile_study());
+  folder_.file("x_o.csv", "\"" + kLabel + " [m]\",b\x07 [\x1b]\n0.5,0.3\n");
   const std::string work = "w\xF6rk \x1b[1m]]>";
-  const auto npdr = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), "npdr");
-    const Outcome outcome = run(folder.path(), words);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_EQ(printable(outcome.out), outcome.out) << words[1];
-    EXPECT_EQ(printable(outcome.err), outcome.err) << words[1];
-    return outcome;
-  };
   npdr({"run", "s.toml", "--work", work});
-  const std::filesystem::path made = folder.path() / work / "hostile";
+  const std::filesystem::path made = folder_.path() / work / "hostile";
   const std::string report = text_of(made / "report.html");
   EXPECT_EQ(analysis::markup_error(report), "");
   EXPECT_EQ(analysis::count_of(report, "<script"), 1) << "the page's own";
   EXPECT_EQ(printable(report), report);
-  EXPECT_GT(expect_parsed(folder, made), 10);
+  EXPECT_GT(expect_parsed(made), 10);
 
   const auto is_json = [](const std::string& text) { return nlohmann::json::accept(text); };
   EXPECT_TRUE(is_json(npdr({"status", "s.toml", "--work", work, "--json"}).out));
@@ -132,29 +134,21 @@ TEST(HostileText, IsTextInAllOutputs) {
   npdr({"inspect", round + "simulate.h5"});
   EXPECT_TRUE(is_json(npdr({"inspect", "--study", round + "infer.h5"}).out));
   npdr({"sample", round + "infer.h5", "-n", "2"});
-  folder.file("a.csv", kLabel + "\n" + "1\n2\n3\n4\n5\n6\n7\n8\n9\n10\n");
+  folder_.file("a.csv", kLabel + "\n" + "1\n2\n3\n4\n5\n6\n7\n8\n9\n10\n");
   npdr({"compare", "a.csv", "a.csv"});
   EXPECT_TRUE(is_json(npdr({"compare", "a.csv", "a.csv", "--json"}).out));
 }
 
 // Names of files and channels on the way from a lab's CSV to scripts for a cluster.
-TEST(HostileText, IsTextFromTheRecordingToTheJobs) {
-  const TempFolder folder;
+TEST_F(HostileText, IsTextFromTheRecordingToTheJobs) {
   const std::string channel = "torque $(touch pwned) `touch pwned` ]]><script> \\input|x";
   const std::vector<std::string> names = {
       "a$(touch pwned)`touch pwned`\x1b[31m\xF6\n;touch pwned; '\"|x]]><script>.csv",
       "=cmd|'!A0.csv"};
   for (std::size_t i = 0; i < names.size(); ++i) {
-    folder.file(names[i], swing(channel, 1.0 + static_cast<double>(i)));
+    folder_.file(names[i], swing(channel, 1.0 + static_cast<double>(i)));
   }
   const std::string recording = "r$(touch pwned)`touch pwned`'\"]]><script>.h5";
-  const auto npdr = [&](std::vector<std::string> words, int status = 0) {
-    words.insert(words.begin(), "npdr");
-    const Outcome outcome = run(folder.path(), words);
-    EXPECT_EQ(outcome.status, status) << outcome.err;
-    for (const std::string& text : {outcome.out, outcome.err}) EXPECT_EQ(printable(text), text);
-    return outcome;
-  };
   npdr({"import", names[0], names[1], "--states", "theta [rad],theta_dot [rad/s]", "--actions",
         channel + " [N m]", "-o", recording});
   npdr({"inspect", recording});
@@ -162,34 +156,32 @@ TEST(HostileText, IsTextFromTheRecordingToTheJobs) {
   npdr({"new", "hostile", "--recording", recording, "--worker", worker});
   npdr({"validate", "hostile.toml"});
   const std::string work = "w$(touch pwned)`touch pwned`'";
-  folder.file("tasks.sh", npdr({"tasks", "hostile.toml", "--work", work}).out);
-  folder.file("jobs.sh", npdr({"submit", "hostile.toml", "--dry-run", "--work", work}).out);
+  folder_.file("tasks.sh", npdr({"tasks", "hostile.toml", "--work", work}).out);
+  folder_.file("jobs.sh", npdr({"submit", "hostile.toml", "--dry-run", "--work", work}).out);
   for (const char* script : {"tasks.sh", "jobs.sh"}) {
-    const std::string check = "bash -n '" + (folder / script).string() + "'";
-    EXPECT_EQ(std::system(check.c_str()), 0) << text_of(folder / script);
+    const std::string check = "bash -n '" + (folder_ / script).string() + "'";
+    EXPECT_EQ(std::system(check.c_str()), 0) << text_of(folder_ / script);
   }
   // Each line is one command, whose words are the names.
-  folder.file(
+  folder_.file(
       "words.sh",
       "while read -r line; do eval \"set -- $line\"; printf '%s\\n' \"$@\"; done < tasks.sh");
-  const std::string tell = "cd '" + folder.path().string() + "' && bash words.sh > words.txt";
+  const std::string tell = "cd '" + folder_.path().string() + "' && bash words.sh > words.txt";
   EXPECT_EQ(std::system(tell.c_str()), 0);
-  EXPECT_TRUE(has(text_of(folder / "words.txt"), "\n" + work + "\n"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "pwned"));
+  EXPECT_TRUE(has(text_of(folder_ / "words.txt"), "\n" + work + "\n"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "pwned"));
 
   npdr({"import", names[1], "--states", "theta [rad],theta_dot [rad/s]", "--actions",
         channel + " [N m]", "-o", "r\x1b\n.h5"});
   const Outcome refused =
-      npdr({"new", "broken", "--recording", "r\x1b\n.h5", "--worker", worker}, 2);
+      npdr(2, {"new", "broken", "--recording", "r\x1b\n.h5", "--worker", worker});
   EXPECT_TRUE(has(refused.err, "--recording = 'r"));
-  EXPECT_FALSE(std::filesystem::exists(folder / "broken.toml"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "broken.toml"));
 }
 
-TEST(HostileText, MakesNoCommandsOfLineBreaks) {
-  const TempFolder folder;
-  folder.file("s.toml", small_study());
-  const Outcome outcome = run(folder.path(), {"npdr", "tasks", "s.toml", "--work", "a\ntouch b\n"});
-  EXPECT_EQ(outcome.status, 2);
+TEST_F(HostileText, MakesNoCommandsOfLineBreaks) {
+  folder_.file("s.toml", small_study());
+  const Outcome outcome = npdr(2, {"tasks", "s.toml", "--work", "a\ntouch b\n"});
   EXPECT_EQ(outcome.out, "");
   EXPECT_TRUE(has(outcome.err, "has a line break"));
 }

@@ -12,9 +12,7 @@ class ImportCommand : public CommandTest {
                  "t [s],theta [rad],theta_dot [rad/s],torque [N m]\n0.0,0.1,1,5\n0.1,0.2,2,6\n");
   }
   Outcome import(const std::string& output, const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {"import", "a.csv", "--simulator", "pendulum", "-o", output};
-    words.insert(words.end(), more.begin(), more.end());
-    return npdr(words);
+    return npdr(joined({"import", "a.csv", "--simulator", "pendulum", "-o", output}, more));
   }
 };
 

@@ -6,71 +6,63 @@
 namespace npdr::pipeline {
 namespace {
 
+// Of a study that is called "small".
 class Interruption : public CommandTest {
  protected:
-  void SetUp() override { prepare(small_study()); }
-
-  void prepare(const std::string& study) {
-    std::ofstream(folder_.path() / "small.toml") << study;
-    const Outcome whole = npdr({"run", "small.toml", "--work", "whole"});
-    ASSERT_EQ(whole.status, 0) << whole.err;
-    reference_ = digests(folder_.path() / "whole" / "small");
+  void prepare(const StudyText& study) {
+    folder_.file("small.toml", study);
+    npdr(0, {"run", "small.toml", "--work", "whole"});
+    reference_ = digests(folder_ / "whole/small");
   }
 
-  // Starts the study again and again and finishes it. By turns, `signal` ends a run while it makes
-  // something, and when it has made something more.
-  void interrupt_and_finish(int signal, const std::string& work) {
-    const std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", work};
-    const std::filesystem::path cache = folder_.path() / work / ".cache";
-    const auto num_complete = [&] { return files_ending(cache, ".h5").size(); };
-    int num_interrupted = 0;
-    for (int i = 0; i < 12; ++i) {
-      const std::size_t before = num_complete();
-      const Program program(folder_.path(), words);
-      if (i % 2 == 0) {
-        begins_to_make(program, cache);
-      } else {
-        comes_true([&] { return program.has_ended() || num_complete() > before; });
-      }
-      program.send(signal);
-      const int status = program.wait().status;
-      const int interrupted = signal == SIGKILL ? 128 + SIGKILL : 75;
-      EXPECT_TRUE(status == 0 || status == interrupted) << status;
-      num_interrupted += status == interrupted ? 1 : 0;
-    }
-    EXPECT_GE(num_interrupted, 3);
-    const Outcome last = run(folder_.path(), words);
-    EXPECT_EQ(last.status, 0) << last.err;
-    EXPECT_EQ(digests(folder_.path() / work / "small"), reference_);
+  std::vector<std::string> words() const { return {"npdr", "run", "small.toml", "--work", "work"}; }
+  std::filesystem::path cache() const { return folder_ / "work/.cache"; }
+  void expect_to_finish_with_the_same_bits() const {
+    with_status(0, run(folder_.path(), words()));
+    EXPECT_EQ(digests(folder_ / "work/small"), reference_);
   }
 
   std::map<std::string, std::string> reference_;
 };
 
-TEST_F(Interruption, KilledRunsGoOnWithTheSameBits) { interrupt_and_finish(SIGKILL, "killed"); }
-
-TEST_F(Interruption, KilledMinigolfGoesOnWithTheSameBits) {
-  std::filesystem::remove_all(folder_.path() / "whole");
-  prepare(small_minigolf_study());
-  interrupt_and_finish(SIGKILL, "golf");
+// By turns, runs are stopped while they make something, and when they have made something more.
+TEST_F(Interruption, StoppedRunsGoOnWithTheSameBits) {
+  prepare(small_study());
+  const auto num_complete = [&] { return files_ending(cache(), ".h5").size(); };
+  int num_interrupted = 0;
+  for (int i = 0; i < 12; ++i) {
+    const std::size_t before = num_complete();
+    const Program program(folder_.path(), words());
+    if (i % 2 == 0) {
+      begins_to_make(program, cache());
+    } else {
+      comes_true([&] { return program.has_ended() || num_complete() > before; });
+    }
+    program.send(SIGTERM);
+    const int status = program.wait().status;
+    EXPECT_TRUE(status == 0 || status == 75) << status;
+    num_interrupted += status == 75 ? 1 : 0;
+  }
+  EXPECT_GE(num_interrupted, 3);
+  expect_to_finish_with_the_same_bits();
 }
 
-TEST_F(Interruption, StoppedRunsGoOnWithTheSameBits) { interrupt_and_finish(SIGTERM, "stopped"); }
+StudyText study_of_a_pool() {
+  return pendulum_study("small")
+      .with("study", {"seeds = [1]"})
+      .method("Pool", {"num_simulations = 200", "embedding = { downsample = 20 }",
+                       "density_estimator = { num_networks = 2, hidden_features = 8 }",
+                       "training = { max_epochs = 10 }"});
+}
 
 // Each run ends after an epoch or two, so all kinds of networks that are pooled go on from a
 // checkpoint.
 TEST_F(Interruption, StoppedPoolsGoOnWithTheSameBits) {
-  std::filesystem::remove_all(folder_.path() / "whole");
-  prepare(pendulum_study("small")
-              .with("study", {"seeds = [1]"})
-              .method("Pool", {"num_simulations = 200", "embedding = { downsample = 20 }",
-                               "density_estimator = { num_networks = 2, hidden_features = 8 }",
-                               "training = { max_epochs = 10 }"}));
-  const std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", "pool"};
+  prepare(study_of_a_pool());
   int num_interrupted = 0;
   for (int i = 0; i < 40; ++i) {
-    const Program program(folder_.path(), words);
-    begins_to_make(program, folder_.path() / "pool/.cache/infer");
+    const Program program(folder_.path(), words());
+    begins_to_make(program, cache() / "infer");
     program.send(SIGTERM);
     const Outcome outcome = program.wait();
     EXPECT_TRUE(outcome.status == 0 || outcome.status == 75) << outcome.err;
@@ -78,47 +70,37 @@ TEST_F(Interruption, StoppedPoolsGoOnWithTheSameBits) {
     ++num_interrupted;
   }
   EXPECT_GE(num_interrupted, 2) << "on a machine that is busy a run may get far";
-  EXPECT_EQ(run(folder_.path(), words).status, 0);
-  EXPECT_EQ(digests(folder_.path() / "pool" / "small"), reference_);
+  expect_to_finish_with_the_same_bits();
 }
 
 TEST_F(Interruption, StoppedDiagnosesGoOnWithTheSameBits) {
-  std::filesystem::remove_all(folder_.path() / "whole");
-  prepare(pendulum_study("small")
-              .with("study", {"seeds = [1]"})
+  prepare(study_of_a_pool()
               .with("observation_noise", {"scale = 0.1"})
               .with("diagnose",
-                    {"checks = [\"sbc\", \"tarp\"]", "num_simulations = 100", "num_samples = 50"})
-              .method("Pool", {"num_simulations = 200", "embedding = { downsample = 20 }",
-                               "density_estimator = { num_networks = 2, hidden_features = 8 }",
-                               "training = { max_epochs = 10 }"}));
-  std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", "stopped"};
-  ASSERT_EQ(npdr({"run", "small.toml", "--work", "stopped", "--until", "infer"}).status, 0);
-  const Program program(folder_.path(), words);
-  begins_to_make(program, folder_.path() / "stopped/.cache/diagnose");
+                    {"checks = [\"sbc\", \"tarp\"]", "num_simulations = 100", "num_samples = 50"}));
+  with_status(0, run(folder_.path(), joined(words(), {"--until", "infer"})));
+  const Program program(folder_.path(), words());
+  begins_to_make(program, cache() / "diagnose");
   program.send(SIGTERM);
   EXPECT_EQ(program.wait().status, 75) << "the diagnosis must take longer";
-  words[1] = "status";
-  const Outcome status = run(folder_.path(), words);
-  EXPECT_TRUE(has(status.out, "checkpoint at simulation"));
-  words[1] = "run";
-  const auto cache = folder_.path() / "stopped/.cache/diagnose";
-  const auto checkpoint = cache / *files_ending(cache, ".checkpoint.h5").begin();
+  EXPECT_TRUE(
+      has(npdr({"status", "small.toml", "--work", "work"}).out, "checkpoint at simulation"));
+  const auto checkpoints = [&] { return files_ending(cache() / "diagnose", ".checkpoint.h5"); };
+  const auto checkpoint = cache() / "diagnose" / *checkpoints().begin();
   const std::string kept = text_of(checkpoint);
   std::ofstream(checkpoint) << "none";
-  EXPECT_NE(run(folder_.path(), words).status, 0) << "it isn't looked at";
+  EXPECT_NE(run(folder_.path(), words()).status, 0) << "it isn't looked at";
   std::ofstream(checkpoint) << kept;
-  EXPECT_EQ(run(folder_.path(), words).status, 0);
-  EXPECT_EQ(digests(folder_.path() / "stopped" / "small"), reference_);
-  EXPECT_EQ(files_ending(folder_.path() / "stopped/.cache/diagnose", ".checkpoint.h5").size(), 0u);
+  expect_to_finish_with_the_same_bits();
+  EXPECT_EQ(checkpoints().size(), 0u);
 }
 
 TEST_F(Interruption, CtrlCStopsAtAnyInstant) {
-  const std::vector<std::string> words = {"npdr", "run", "small.toml", "--work", "ctrl-c"};
+  prepare(small_study());
   std::mt19937 random(1);
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 12; ++i) {
     for (const int signal : {SIGINT, SIGUSR1}) {
-      const Program program(folder_.path(), words);
+      const Program program(folder_.path(), words());
       program.ends_within(0.001 * static_cast<double>(random() % 300));
       program.send_to_group(signal);
       const Outcome outcome = program.wait();
@@ -127,10 +109,9 @@ TEST_F(Interruption, CtrlCStopsAtAnyInstant) {
           << outcome.status << " by " << signal << "\n"
           << outcome.err;
     }
-    if (i % 5 == 4) std::filesystem::remove_all(folder_.path() / "ctrl-c");
+    if (i % 4 == 3) std::filesystem::remove_all(folder_ / "work");
   }
-  EXPECT_EQ(run(folder_.path(), words).status, 0);
-  EXPECT_EQ(digests(folder_.path() / "ctrl-c" / "small"), reference_);
+  expect_to_finish_with_the_same_bits();
 }
 
 constexpr const char* kCheckpoint = "checkpoint at epoch";
@@ -161,15 +142,9 @@ class EndlessTraining : public SmallStudyTest {
  private:
   static std::vector<std::string> words(const std::string& command,
                                         const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"npdr",
-                                      command,
-                                      "small.toml",
-                                      "--set",
-                                      "method.training.max_epochs=1000000",
-                                      "--set",
-                                      "method.training.stop_after_epochs=1000000"};
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+    return joined({"npdr", command, "small.toml", "--set", "method.training.max_epochs=1000000",
+                   "--set", "method.training.stop_after_epochs=1000000"},
+                  more);
   }
 };
 

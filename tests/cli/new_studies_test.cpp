@@ -8,32 +8,33 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class NewStudies : public OwnSimulators {};
+class NewStudies : public OwnSimulators {
+ protected:
+  // The text of a new study, which is valid.
+  std::string new_study(const std::string& name, const std::vector<std::string>& words) const {
+    npdr(0, joined({"new", name}, words));
+    npdr(0, {"validate", name + ".toml"});
+    return text_of(folder_ / (name + ".toml"));
+  }
+};
 
 TEST_F(NewStudies, FitWhatTheyAreFor) {
   copy_example("spring");
   compile_spring(folder_.path());
-  const Outcome library = npdr({"new", "mine", "--library", "spring.so"});
-  ASSERT_EQ(library.status, 0) << library.err;
-  EXPECT_EQ(npdr({"validate", "mine.toml"}).status, 0) << text_of(folder_ / "mine.toml");
-  const Outcome built_in = npdr({"new", "swing", "--simulator", "pendulum"});
-  ASSERT_EQ(built_in.status, 0) << built_in.err;
-  EXPECT_EQ(npdr({"validate", "swing.toml"}).status, 0) << text_of(folder_ / "swing.toml");
-  ASSERT_EQ(npdr({"new", "arm", "--simulator", "furuta"}).status, 0);
+  new_study("mine", {"--library", "spring.so"});
+  new_study("swing", {"--simulator", "pendulum"});
+  npdr(0, {"new", "arm", "--simulator", "furuta"});
   EXPECT_FALSE(has(text_of(folder_ / "arm.toml"), "[0.0, 0.0]")) << "no range";
   for (const char* option : {"--worker", "--command"}) {
-    const Outcome outcome =
-        npdr({"new", std::string("by") + option, option, "python3 \"my sim\".py"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_TRUE(has(outcome.out, "EDIT"));
+    EXPECT_TRUE(has(
+        npdr(0, {"new", std::string("by") + option, option, "python3 \"my sim\".py"}).out, "EDIT"));
     const std::string study = std::string("by") + option + ".toml", text = text_of(folder_ / study);
-    const Outcome validated = npdr({"validate", study});
-    EXPECT_EQ(validated.status, 0) << text;
-    EXPECT_TRUE(has(validated.out, "\nmarked EDIT, as npdr new wrote them: lines 8, 12, "));
+    EXPECT_TRUE(has(npdr(0, {"validate", study}).out,
+                    "\nstill marked EDIT, as npdr new wrote: lines 8, 12, "));
     EXPECT_TRUE(has(text, "shard_size = 200"));
   }
-  EXPECT_EQ(npdr({"new", "both", "--worker", "a", "--library", "b"}).status, 2);
-  EXPECT_EQ(npdr({"new", "none", "--recording", "gone.h5"}).status, 2);
+  npdr(2, {"new", "both", "--worker", "a", "--library", "b"});
+  npdr(2, {"new", "none", "--recording", "gone.h5"});
   EXPECT_EQ(npdr({"new", "mine", "--library", "spring.so"}).status, 2) << "it is there already";
 }
 
@@ -49,27 +50,21 @@ TEST_F(NewStudies, TakeADataset) {
   theta.close();
   x.close();
   folder_.file("x_o.csv", "peak,mean\n50,-50\n");
-  ASSERT_EQ(npdr({"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "d.h5"}).status, 0);
-  const Outcome outcome = npdr({"new", "finished", "--dataset", "d.h5"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const std::string text = text_of(folder_ / "finished.toml");
-  EXPECT_TRUE(has(text, {"dataset = \"d.h5\"", "k = { uniform = [9.9, 30.1] }  # [N/m]",
-                         "m = { uniform = [1.979, 6.144] }", "# g = { uniform = [7.0, 7.0] }",
-                         "rate = { log_uniform = [0.977, 102.3] }", "num_simulations = 101"}));
-  const Outcome simulated = npdr({"run", "finished.toml", "--until", "simulate"});
-  EXPECT_EQ(simulated.status, 0) << simulated.err << text;
-  EXPECT_FALSE(has(simulated.err, "failed"));
+  npdr(0, {"import", "--theta", "theta.csv", "--x", "x.csv", "-o", "d.h5"});
+  EXPECT_TRUE(has(new_study("finished", {"--dataset", "d.h5"}),
+                  {"dataset = \"d.h5\"", "k = { uniform = [9.9, 30.1] }  # [N/m]",
+                   "m = { uniform = [1.979, 6.144] }", "# g = { uniform = [7.0, 7.0] }",
+                   "rate = { log_uniform = [0.977, 102.3] }", "num_simulations = 101"}));
+  EXPECT_FALSE(has(npdr(0, {"run", "finished.toml", "--until", "simulate"}).err, "failed"));
   EXPECT_TRUE(has(npdr({"new", "both", "--dataset", "d.h5", "--recording", "d.h5"}).err,
                   "--dataset can't go with --recording"));
 }
 
 TEST_F(NewStudies, TakeAnObservation) {
   folder_.file("x_o.csv", "peak,mean\n50,-50\n");
-  ASSERT_EQ(npdr({"new", "seen", "--observation", "x_o.csv", "--command", "sim"}).status, 0);
+  npdr(0, {"new", "seen", "--observation", "x_o.csv", "--command", "sim"});
   EXPECT_TRUE(has(text_of(folder_ / "seen.toml"), "observation = \"x_o.csv\"\n"));
-  const Outcome validated = npdr({"validate", "seen.toml"});
-  EXPECT_EQ(validated.status, 0) << validated.err;
-  EXPECT_TRUE(has(validated.out, "2 features each"));
+  EXPECT_TRUE(has(npdr(0, {"validate", "seen.toml"}).out, "2 features each"));
   EXPECT_TRUE(says(npdr({"new", "a", "--observation", "x_o.csv", "--worker", "sim"}).err,
                    {"npdr new: --observation goes with --command or --dataset"}));
   folder_.file("x_o.csv", "peak\nhigh\n");
@@ -79,44 +74,29 @@ TEST_F(NewStudies, TakeAnObservation) {
 
 TEST_F(NewStudies, QuoteNamesThatNeedIt) {
   copy_example("spring");
-  std::string text = text_of(folder_ / "spring.c");
-  const std::string name = "\"stiffness\"";
-  text.replace(text.find(name), name.size(), "\"k (all)\"");
-  folder_.file("spring.c", text);
+  folder_.file("spring.c", edited(text_of(folder_ / "spring.c"), "\"stiffness\"", "\"k (all)\""));
   compile_spring(folder_.path());
-  ASSERT_EQ(npdr({"new", "odd", "--library", "spring.so"}).status, 0);
-  const std::string study = text_of(folder_ / "odd.toml");
-  EXPECT_TRUE(has(study, "\n\"k (all)\" = { uniform"));
-  const Outcome checked = npdr({"validate", "odd.toml"});
-  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_TRUE(has(new_study("odd", {"--library", "spring.so"}), "\n\"k (all)\" = { uniform"));
 }
 
 TEST_F(NewStudies, TakeARecording) {
   write_recording(furuta_recording(4), folder_ / "recorded.h5");
-  const Outcome outcome =
-      npdr({"new", "real", "--recording", "recorded.h5", "--simulator", "furuta"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  const std::string text = text_of(folder_ / "real.toml");
+  const std::string text =
+      new_study("real", {"--recording", "recorded.h5", "--simulator", "furuta"});
   EXPECT_TRUE(has(text, {"recording = \"recorded.h5\"", "held_out = ", "num_rollouts = 3",
                          "embedding = { downsample = ", "scale_prior = [0.1, 1.0]"}));
-  EXPECT_EQ(npdr({"validate", "real.toml"}).status, 0) << text;
   std::string refined = text.substr(text.find("# [[method]]"));
   for (std::size_t at; (at = refined.find("# ")) != std::string::npos;) refined.erase(at, 2);
   folder_.file("refined.toml", text + refined);
-  const Outcome checked = npdr({"validate", "refined.toml"});
-  EXPECT_EQ(checked.status, 0) << checked.err;
+  npdr(0, {"validate", "refined.toml"});
   EXPECT_TRUE(has(refined, "cross_validate = true"));
-  const Outcome other =
-      npdr({"new", "other", "--recording", "recorded.h5", "--simulator", "pendulum"});
-  EXPECT_EQ(other.status, 2) << other.out;
+  npdr(2, {"new", "other", "--recording", "recorded.h5", "--simulator", "pendulum"});
 }
 
 TEST_F(NewStudies, TakeAModelOfMujoco) {
   if (!fs::exists(NPDR_BINARY_DIR "/lib/npdr_mujoco.so")) GTEST_SKIP() << "no MuJoCo";
   copy_example("cartpole");
-  const Outcome outcome = npdr({"new", "pole", "--mjcf", "cartpole.xml"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_EQ(npdr({"validate", "pole.toml"}).status, 0) << text_of(folder_ / "pole.toml");
+  new_study("pole", {"--mjcf", "cartpole.xml"});
 }
 
 }  // namespace

@@ -25,11 +25,14 @@ class OwnSimulators : public CommandTest {
   }
   std::filesystem::path runs(const std::string& study) const { return folder_ / "runs" / study; }
 
-  // The last evaluation's samples.
-  RowMatrix samples(const std::string& study, Index round) const {
-    const std::filesystem::path path =
-        runs(study) / "npe/seed-1" / ("round-" + std::to_string(round));
-    return h5::File::open(path / "evaluate.h5").read_matrix<double>("theta");
+  // An artefact of the first round, below a work folder.
+  h5::File first_round(const std::string& study, const std::string& name,
+                       const std::string& work = "runs") const {
+    return h5::File::open(folder_ / work / study / "npe/seed-1/round-1" / (name + ".h5"));
+  }
+  std::vector<float> trajectories(const std::string& study,
+                                  const std::string& work = "runs") const {
+    return first_round(study, "simulate", work).dataset("trajectories").read<float>();
   }
 
   // The words of a small run of an example.
@@ -40,6 +43,28 @@ class OwnSimulators : public CommandTest {
             "--set", "method.training.max_epochs=60",
             "--set", "evaluate.num_samples=200"};
   }
+};
+
+/// Workers in Python, in place of the example's.
+class PythonWorkers : public OwnSimulators {
+ protected:
+  void SetUp() override {
+    if (python_.empty()) GTEST_SKIP() << "no Python with numpy";
+    copy_example("spring");
+  }
+
+  std::string setting(const std::string& program) const {
+    return "simulator.worker='" + python_ + " " + program + "'";
+  }
+  // The words that simulate a few rows.
+  std::vector<std::string> words(const std::string& worker,
+                                 const std::vector<std::string>& more = {}) const {
+    return joined({"run", "worker.toml", "--until", "simulate", "--set",
+                   "method.num_simulations=70", "--set", worker},
+                  more);
+  }
+
+  const std::string python_ = python_with("numpy");
 };
 
 // The compiler line of the example's head, with the folder of the header of this build.

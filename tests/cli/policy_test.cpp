@@ -1,5 +1,4 @@
 #include <csignal>
-#include <cstdlib>
 
 #include "pipeline/artefacts/recording.h"
 #include "tests/cli/study_run.h"
@@ -41,9 +40,8 @@ class Policies : public StudyRun {
   static void SetUpTestSuite() {
     StudyText study = searched_study();
     with_search(with_online(study, {"num_iterations = 2", "policy_iterations = 3"}));
-    setenv("OMP_NUM_THREADS", "1", 1);
+    const OmpThreads one(1);
     run_study("searched.toml", study, {"--jobs", "1"});
-    unsetenv("OMP_NUM_THREADS");
     reference_ = digests(file("runs/searched"));
   }
 
@@ -93,98 +91,43 @@ TEST_F(Policies, EveryArtefactHasALink) {
 }
 
 TEST_F(Policies, SameBitsForAnyThreadCountAndShardSize) {
-  setenv("OMP_NUM_THREADS", "3", 1);
-  const Outcome outcome = npdr({"run", "searched.toml", "--work", "three", "--jobs", "3", "--set",
-                                "simulate.shard_size=17"});
-  unsetenv("OMP_NUM_THREADS");
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const OmpThreads three(3);
+  npdr(0, {"run", "searched.toml", "--work", "three", "--jobs", "3", "--set",
+           "simulate.shard_size=17"});
   EXPECT_EQ(digests(file("three/searched")), reference_);
-}
-
-TEST_F(Policies, TheTablesOfTwoRunsAreTheSame) {
-  ASSERT_EQ(npdr({"run", "searched.toml", "--work", "again"}).status, 0);
-  for (const char* name : {"policy.csv", "policy_seeds.csv", "fit.csv"}) {
-    EXPECT_EQ(text_of(file("again/searched/tables") / name),
-              text_of(file("runs/searched/tables") / name))
-        << name;
+  for (const std::string table : {"policy.csv", "policy_seeds.csv", "fit.csv"}) {
+    EXPECT_EQ(text_of(file("three/searched/tables/" + table)),
+              text_of(file("runs/searched/tables/" + table)))
+        << table;
   }
-}
-
-// The words of a stage on the study, in a work folder of its own.
-std::vector<std::string> words_of(const std::string& program, const std::string& work) {
-  return {program, "searched.toml", "--work", work};
 }
 
 TEST_F(Policies, CanBeSearchedForByHand) {
-  for (int iteration = 1; iteration <= 2; ++iteration) {
-    for (const char* program : {"npdr-propose", "npdr-simulate", "npdr-infer", "npdr-policy"}) {
-      const Outcome outcome = run(folder_->path(), words_of(program, "hand"));
-      ASSERT_EQ(outcome.status, 0) << program << outcome.err;
-    }
-  }
-  for (const char* program : {"npdr-evaluate", "npdr-report"}) {
-    const Outcome outcome = run(folder_->path(), words_of(program, "hand"));
-    ASSERT_EQ(outcome.status, 0) << program << outcome.err;
+  for (const std::string stage : {"propose", "simulate", "infer", "policy", "propose", "simulate",
+                                  "infer", "policy", "evaluate", "report"}) {
+    with_status(0, run(folder_->path(), {"npdr-" + stage, "searched.toml", "--work", "hand"}));
   }
   EXPECT_EQ(digests(file("hand/searched")), reference_);
 }
 
 TEST_F(Policies, AnEarlyStartSaysWhatIsMissing) {
-  const Outcome outcome =
-      run(folder_->path(), {"npdr-policy", "searched.toml", "--work", "early", "--only", "Online"});
-  EXPECT_EQ(outcome.status, 0) << "the policy before any search can be tested";
-  const Outcome again =
-      run(folder_->path(), {"npdr-policy", "searched.toml", "--work", "early", "--only", "Online"});
-  EXPECT_EQ(again.status, 2);
-  EXPECT_TRUE(has(again.err,
+  const std::vector<std::string> words = {"npdr-policy", "searched.toml", "--work",
+                                          "early",       "--only",        "Online"};
+  EXPECT_EQ(run(folder_->path(), words).status, 0) << "one before any search can be tested";
+  EXPECT_TRUE(has(with_status(2, run(folder_->path(), words)).err,
                   "policy Online, seed 1, iteration 1 needs 'infer Online, seed 1, "
                   "iteration 1, round 1', which isn't there; run npdr-infer"));
-}
-
-TEST_F(Policies, ValidateSaysHowMuchWorkASearchIs) {
-  const Outcome outcome = npdr({"validate", "searched.toml"});
-  EXPECT_TRUE(has(outcome.out, "policy searches: 8 of 1408 rollouts together, and 8 tests"));
-}
-
-TEST_F(Policies, AStudyWithoutASearchRemovesItsTables) {
-  const auto run_as = [&](const std::string& text) {
-    std::ofstream(file("searched2.toml")) << text;
-    return npdr({"run", "searched2.toml", "--work", "without"});
-  };
-  ASSERT_EQ(run_as(text_of(file("searched.toml"))).status, 0);
-  EXPECT_TRUE(std::filesystem::exists(file("without/searched/tables/policy.md")));
-  StudyText without = searched_study();
-  const Outcome outcome = run_as(with_online(without, {}));
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  for (const char* name :
-       {"policy.md", "policy_seeds.csv", "policy_parameters.csv", "policy_cost.tex"}) {
-    EXPECT_FALSE(std::filesystem::exists(file("without/searched/tables") / name)) << name;
-  }
 }
 
 TEST_F(Policies, MethodsThatInferNothingCanStandAlone) {
   StudyText study = searched_study();
   std::ofstream(file("alone.toml")) << with_search(study);
-  const Outcome outcome = npdr({"run", "alone.toml", "--work", "alone"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_TRUE(has(outcome.out, "| Randomized "));
+  EXPECT_TRUE(has(npdr(0, {"run", "alone.toml", "--work", "alone"}).out, "| Randomized "));
   EXPECT_FALSE(std::filesystem::exists(file("alone/searched/tables/fit.md")));
 }
 
-// Evaluations are by the first rollouts, whatever an iteration has seen.
-TEST_F(Policies, AMethodMaySeeFewRolloutsOfEachIteration) {
-  const Outcome outcome = npdr({"run", "searched.toml", "--work", "few", "--only", "Online",
-                                "--seeds", "1", "--set", "method.Online.num_rollouts=1", "--set",
-                                "target.num_rollouts=2", "--set", "observation_noise.scale=0.05"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
-  // The first rollout of the target, and one after both.
-  const h5::File second = h5::File::open(file("few/searched/online/seed-1/iteration-2/target.h5"));
-  EXPECT_EQ(second.dataset("number").read<std::int64_t>(), (std::vector<std::int64_t>{0, 2}));
-}
-
 TEST_F(Policies, PosteriorsOfTheLastIterationAreExported) {
-  const Outcome outcome = npdr({"export", "searched.toml", "--only", "Online", "-o", "online.nc"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  npdr(0, {"export", "searched.toml", "--only", "Online", "-o", "online.nc"});
 }
 
 // A loop closed every 4 ms has other delays than a recording of every 8 ms.
@@ -192,11 +135,9 @@ TEST_F(Policies, InputsOfAnotherTimeStepAreRefused) {
   Target slower = read_recording(file("runs/searched/target.h5"));
   slower.dt *= 2.0;
   write_recording(slower, file("slower.h5"));
-  const Outcome outcome =
-      npdr({"run", "searched.toml", "--set", "target.inputs=" + file("slower.h5").string()});
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_TRUE(says(outcome.err, {"npdr run: --set target.inputs=", "dt = 0.008 s",
-                                 "must be 0.004 s with [policy]"}));
+  EXPECT_TRUE(says(
+      npdr(2, {"run", "searched.toml", "--set", "target.inputs=" + file("slower.h5").string()}).err,
+      {"npdr run: --set target.inputs=", "dt = 0.008 s", "must be 0.004 s with [policy]"}));
 }
 
 TEST_F(Policies, SimulationsOfARefinementCount) {
@@ -205,9 +146,7 @@ TEST_F(Policies, SimulationsOfARefinementCount) {
                {"algorithm = \"refine\"", "policy_iterations = 1",
                 "refine = { level_size = 1000, min_ess = 100, max_simulations = 3000 }"});
   std::ofstream(file("refined.toml")) << with_search(study);
-  const Outcome outcome =
-      npdr({"run", "refined.toml", "--work", "refined", "--only", "Refined", "--seeds", "1"});
-  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  npdr(0, {"run", "refined.toml", "--work", "refined", "--only", "Refined", "--seeds", "1"});
   const std::string policies = text_of(file("refined/searched/tables/policy.csv"));
   const std::string certificate = text_of(file("refined/searched/tables/refinement.csv"));
   const std::size_t at = certificate.find(",\"FAILS: ");
@@ -262,29 +201,25 @@ class LongSearch : public Policies {
 };
 
 TEST_F(LongSearch, GoesOnWithTheSameBits) {
-  ASSERT_EQ(run(folder_->path(), words("npdr-policy", "whole")).status, 0);
+  with_status(0, run(folder_->path(), words("npdr-policy", "whole")));
   for (const int signal : {SIGKILL, SIGTERM}) {
     const std::string work = "by-" + std::to_string(signal);
     interrupt(signal, work);
-    const Outcome last = run(folder_->path(), words("npdr-policy", work));
-    ASSERT_EQ(last.status, 0) << last.err;
+    with_status(0, run(folder_->path(), words("npdr-policy", work)));
     EXPECT_EQ(digest(work), digest("whole")) << signal;
     EXPECT_EQ(files_ending(cache(work), ".checkpoint.h5"), std::set<std::string>());
   }
 }
 
 TEST_F(LongSearch, StopsAtACheckpointThatTheStatusShows) {
-  std::vector<std::string> endless = words("npdr-policy", "stopped");
-  endless.insert(endless.end(), {"--set", "method.policy_iterations=100000"});
+  std::vector<std::string> endless =
+      joined(words("npdr-policy", "stopped"), {"--set", "method.policy_iterations=100000"});
   const Program program(folder_->path(), endless);
   wait_for_checkpoint(program, "stopped");
   program.send(SIGTERM);
-  const Outcome outcome = program.wait();
-  EXPECT_EQ(outcome.status, 75) << outcome.err;
-  endless.front() = "npdr";
-  endless.insert(endless.begin() + 1, "status");
-  const Outcome status = run(folder_->path(), endless);
-  EXPECT_TRUE(has(status.out, "checkpoint at iteration"));
+  with_status(75, program.wait());
+  endless.front() = "status";
+  EXPECT_TRUE(has(npdr(endless).out, "checkpoint at iteration"));
 }
 
 }  // namespace

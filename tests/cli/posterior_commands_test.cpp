@@ -11,13 +11,11 @@ class PosteriorCommands : public SmallRun {};
 
 TEST_F(PosteriorCommands, SampleAndLogProbUseAPosterior) {
   const std::string posterior = "runs/small/npdr-maf/seed-1/round-2/infer.h5";
-  const Outcome samples = npdr({"sample", posterior, "-n", "20"});
-  ASSERT_EQ(samples.status, 0) << samples.err;
+  const Outcome samples = npdr(0, {"sample", posterior, "-n", "20"});
   EXPECT_EQ(samples.out.substr(0, samples.out.find('\n')), "pole_mass [kg],pole_length [m]");
   EXPECT_EQ(std::count(samples.out.begin(), samples.out.end(), '\n'), 21);
   std::ofstream(file("theta.csv")) << samples.out;
-  const Outcome densities = npdr({"log-prob", posterior, "theta.csv"});
-  ASSERT_EQ(densities.status, 0) << densities.err;
+  const Outcome densities = npdr(0, {"log-prob", posterior, "theta.csv"});
   EXPECT_EQ(std::count(densities.out.begin(), densities.out.end(), '\n'), 21);
   EXPECT_FALSE(has(densities.out, "inf"));
   const std::string rows = samples.out.substr(samples.out.find('\n') + 1);
@@ -28,46 +26,35 @@ TEST_F(PosteriorCommands, SampleAndLogProbUseAPosterior) {
       npdr({"log-prob", posterior, "one.csv"}).err,
       {"npdr log-prob: one.csv: 1 column without names", "must be 2, one for each parameter"}));
   std::ofstream(file("grams.csv")) << "pole_mass [g],pole_length [m]\n1000,1\n";
-  const Outcome wrong_unit = npdr({"log-prob", posterior, "grams.csv"});
-  EXPECT_EQ(wrong_unit.status, 2);
-  EXPECT_TRUE(says(wrong_unit.err,
+  EXPECT_TRUE(says(npdr(2, {"log-prob", posterior, "grams.csv"}).err,
                    {"npdr log-prob: grams.csv: column 'pole_mass' is in [g]", "must be in [kg]"}));
 }
 
 TEST_F(PosteriorCommands, SamplesOfAStudyArePooledOverItsSeeds) {
   const std::vector<std::string> words = {"sample",     "small.toml", "--method",
                                           "NPDR (MoG)", "-n",         "6"};
-  const Outcome samples = npdr(words);
-  ASSERT_EQ(samples.status, 0) << samples.err;
+  const Outcome samples = npdr(0, words);
   const Outcome one = npdr({"sample", "runs/small/npdr-mog/seed-1/round-2/infer.h5", "-n", "6"});
   EXPECT_EQ(samples.out, one.out) << "of its one seed";
-  const Outcome none = npdr({"sample", "small.toml"});
-  EXPECT_EQ(none.status, 2);
-  EXPECT_TRUE(has(none.err,
-                  "2 methods infer (NPDR (MAF), NPDR (MoG)), must be one: choose it by "
+  EXPECT_TRUE(has(npdr(2, {"sample", "small.toml"}).err,
+                  "2 methods have posteriors (NPDR (MAF), NPDR (MoG)), must be one: choose it by "
                   "--method"));
-  std::vector<std::string> two = words;
-  two.insert(two.end(), {"--set", "study.seeds=[1, 2]"});
+  const std::vector<std::string> two = joined(words, {"--set", "study.seeds=[1, 2]"});
   EXPECT_TRUE(has(npdr(two).err,
                   "infer NPDR (MoG), seed 2, round 2: isn't there yet; run it first: "
                   "npdr run small.toml"));
-  two.insert(two.end(), {"--seeds", "1"});
-  EXPECT_EQ(npdr(two).out, one.out);
+  EXPECT_EQ(npdr(joined(two, {"--seeds", "1"})).out, one.out);
 }
 
 TEST_F(PosteriorCommands, DensitiesOfAStudyAreTheMeanOverItsSeeds) {
-  const std::vector<std::string> seeds = {"--set", "study.seeds=[1, 2]"};
-  const auto with_seeds = [&](std::vector<std::string> words) {
-    words.insert(words.end(), seeds.begin(), seeds.end());
-    return npdr(words);
+  const auto with_seeds = [&](const std::vector<std::string>& words) {
+    return npdr(0, joined(words, {"--set", "study.seeds=[1, 2]"})).out;
   };
-  const Outcome only = with_seeds({"run", "small.toml", "--only", "NPDR (MAF)"});
-  ASSERT_EQ(only.status, 0) << only.err;
-  EXPECT_TRUE(only.out.ends_with("all again: npdr run small.toml --set 'study.seeds=[1, 2]'\n"))
-      << only.out;
-  const auto samples = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {"sample", "small.toml", "--method", "NPDR (MAF)"});
-    return with_seeds(words).out;
+  const std::string only = with_seeds({"run", "small.toml", "--only", "NPDR (MAF)"});
+  EXPECT_TRUE(only.ends_with("all again: npdr run small.toml --set 'study.seeds=[1, 2]'\n"))
+      << only;
+  const auto samples = [&](const std::vector<std::string>& words) {
+    return with_seeds(joined({"sample", "small.toml", "--method", "NPDR (MAF)"}, words));
   };
   const std::string of_first = samples({"-n", "1", "--seeds", "1"}),
                     of_second = samples({"-n", "1", "--seeds", "2"});
@@ -76,27 +63,23 @@ TEST_F(PosteriorCommands, DensitiesOfAStudyAreTheMeanOverItsSeeds) {
   const std::size_t line = of_second.find('\n') + 1;
   EXPECT_FALSE(has(pooled, of_second.substr(line))) << "each has random numbers of its own";
   std::ofstream(file("center.csv")) << "1,1\n9,9\n";
-  const auto log_prob = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {"log-prob"});
-    const Outcome outcome = with_seeds(words);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    return outcome.out;
-  };
+  const std::vector<std::string> log_prob = {"log-prob", "small.toml", "center.csv", "--method",
+                                             "NPDR (MAF)"};
   const auto of_seed = [&](const std::string& seed) {
-    return log_prob({"small.toml", "center.csv", "--method", "NPDR (MAF)", "--seeds", seed});
+    return with_seeds(joined(log_prob, {"--seeds", seed}));
   };
   const auto first = [](const std::string& out) { return std::stod(out.substr(9)); };
   const double mean = 0.5 * (std::exp(first(of_seed("1"))) + std::exp(first(of_seed("2"))));
-  const std::string both = log_prob({"small.toml", "center.csv", "--method", "NPDR (MAF)"});
+  const std::string both = with_seeds(log_prob);
   EXPECT_NEAR(first(both), std::log(mean), 1e-9);
   EXPECT_TRUE(both.ends_with("\n-inf\n")) << "outside of the prior: " << both;
   EXPECT_NE(first(of_seed("1")), first(of_seed("2")));
-  const Outcome chosen = npdr(
-      {"log-prob", "runs/small/npdr-mog/seed-1/round-2/infer.h5", "center.csv", "--seeds", "2"});
-  EXPECT_EQ(chosen.status, 2);
-  EXPECT_TRUE(says(chosen.err, {"npdr log-prob: runs/small/npdr-mog/seed-1/round-2/infer.h5: is "
-                                "one posterior; --seeds chooses among those of a study",
-                                "leave it out", ".toml"}));
+  EXPECT_TRUE(says(npdr(2, {"log-prob", "runs/small/npdr-mog/seed-1/round-2/infer.h5", "center.csv",
+                            "--seeds", "2"})
+                       .err,
+                   {"npdr log-prob: runs/small/npdr-mog/seed-1/round-2/infer.h5: is "
+                    "one posterior; --seeds chooses among those of a study",
+                    "leave it out", ".toml"}));
 }
 
 TEST_F(PosteriorCommands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
@@ -110,9 +93,7 @@ TEST_F(PosteriorCommands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
   };
   EXPECT_EQ(sample([](Target& t) { t.dt *= 1.0005; }).status, 0) << "measured dt differ a little";
   const auto rejected = [&](const std::function<void(Target&)>& change) {
-    const Outcome outcome = sample(change);
-    EXPECT_EQ(outcome.status, 2);
-    return outcome.err;
+    return with_status(2, sample(change)).err;
   };
   EXPECT_TRUE(says(rejected([](Target& t) { t.dt = 0.01; }),
                    {"npdr sample: x.h5: dt = 0.01 s", "must be 0.02 s", posterior}));
@@ -128,7 +109,7 @@ TEST_F(PosteriorCommands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {
   EXPECT_TRUE(
       says(rejected([](Target& t) { t.state_channels[0].unit = "deg"; }),
            {"npdr sample: x.h5: dataset 'states': channels are theta [deg], theta_dot [rad/s]",
-            "must be theta [rad], theta_dot [rad/s]", "convert its values"}));
+            "must be theta [rad], theta_dot [rad/s]", "convert its columns"}));
   EXPECT_TRUE(says(
       rejected([](Target& t) { t.action_channels[0].label = "force"; }),
       {"npdr sample: x.h5: dataset 'actions': channels are force [N m]", "must be torque [N m]"}));

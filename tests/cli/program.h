@@ -16,10 +16,12 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <source_location>
 #include <string>
 #include <vector>
 
 #include "pipeline/store/artefact.h"
+#include "tests/environment.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 #include "tests/wait_for.h"
@@ -110,12 +112,45 @@ inline Outcome run(const std::filesystem::path& folder, const std::vector<std::s
   return Program(folder, words, streams).wait();
 }
 
+/// An outcome that must have this exit status, else the test fails `where` it was asked for.
+inline Outcome with_status(int status, Outcome outcome,
+                           const std::source_location& where = std::source_location::current()) {
+  if (outcome.status != status) {
+    ADD_FAILURE_AT(where.file_name(), static_cast<int>(where.line()))
+        << "exit status " << outcome.status << ", must be " << status << "\n"
+        << outcome.out << outcome.err;
+  }
+  return outcome;
+}
+
+/// All words in one list.
+inline std::vector<std::string> joined(std::vector<std::string> words,
+                                       const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// While it lives, programs that are started have this many threads.
+struct OmpThreads : EnvironmentVariable {
+  explicit OmpThreads(int count) : EnvironmentVariable("OMP_NUM_THREADS", std::to_string(count)) {}
+};
+
+/// While it lives, programs of this folder come before others of their names.
+struct ProgramsOnPath : EnvironmentVariable {
+  explicit ProgramsOnPath(const std::filesystem::path& folder = NPDR_BINARY_DIR "/bin")
+      : EnvironmentVariable("PATH", folder.string() + ":" + std::getenv("PATH")) {}
+};
+
 /// Tests that call commands in a folder of their own.
 class CommandTest : public ::testing::Test {
  protected:
-  Outcome npdr(std::vector<std::string> words) const {
-    words.insert(words.begin(), "npdr");
-    return run(folder_.path(), words);
+  Outcome npdr(const std::vector<std::string>& words) const {
+    return run(folder_.path(), joined({"npdr"}, words));
+  }
+  /// Of a command that must end with this exit status.
+  Outcome npdr(int status, const std::vector<std::string>& words,
+               const std::source_location& where = std::source_location::current()) const {
+    return with_status(status, npdr(words), where);
   }
 
   TempFolder folder_;

@@ -12,17 +12,16 @@ class StudyRun : public ::testing::Test {
                         const std::vector<std::string>& more = {}) {
     folder_ = new TempFolder;
     std::ofstream(file(name)) << text;
-    std::vector<std::string> words = {"run", name};
-    words.insert(words.end(), more.begin(), more.end());
-    const Outcome outcome = npdr(words);
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-    run_output_ = outcome.out;
+    run_output_ = npdr(0, joined({"run", name}, more)).out;
   }
   static void TearDownTestSuite() { delete folder_; }
 
-  static Outcome npdr(std::vector<std::string> words) {
-    words.insert(words.begin(), "npdr");
-    return run(folder_->path(), words);
+  static Outcome npdr(const std::vector<std::string>& words) {
+    return run(folder_->path(), joined({"npdr"}, words));
+  }
+  static Outcome npdr(int status, const std::vector<std::string>& words,
+                      const std::source_location& where = std::source_location::current()) {
+    return with_status(status, npdr(words), where);
   }
   static std::filesystem::path file(const std::string& name) { return folder_->path() / name; }
 

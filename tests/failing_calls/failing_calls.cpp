@@ -18,7 +18,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
-#include <sys/mman.h>
 #include <sys/signalfd.h>
 #include <sys/types.h>
 #include <unistd.h>
@@ -94,8 +93,14 @@ mode_t mode_in(int flags, va_list& arguments) {
   return has_mode ? static_cast<mode_t>(va_arg(arguments, int)) : 0;
 }
 
-// How many bytes a read or write gets that is cut short.
-std::size_t half(std::size_t count) { return count > 1 ? count / 2 : count; }
+// A call that reads or writes bytes, which may be cut short.
+template <class Bytes, class... At>
+ssize_t transfer(const char* name, int file, Bytes* bytes, std::size_t count, At... at) {
+  const bool is_cut = fails(name, file);
+  if (is_cut && errno != 0) return -1;
+  const std::size_t some = is_cut && count > 1 ? count / 2 : count;
+  return real<ssize_t(int, Bytes*, std::size_t, At...)>(name)(file, bytes, some, at...);
+}
 
 }  // namespace
 
@@ -118,16 +123,11 @@ int open64(const char* path, int flags, ...) {
 }
 
 ssize_t read(int file, void* bytes, std::size_t count) {
-  const bool is_cut = fails("read", file);
-  if (is_cut && errno != 0) return -1;
-  return real<ssize_t(int, void*, std::size_t)>("read")(file, bytes, is_cut ? half(count) : count);
+  return transfer("read", file, bytes, count);
 }
 
 ssize_t pread(int file, void* bytes, std::size_t count, off_t at) {
-  const bool is_cut = fails("pread", file);
-  if (is_cut && errno != 0) return -1;
-  return real<ssize_t(int, void*, std::size_t, off_t)>("pread")(file, bytes,
-                                                                is_cut ? half(count) : count, at);
+  return transfer("pread", file, bytes, count, at);
 }
 
 ssize_t pread64(int file, void* bytes, std::size_t count, off64_t at) {
@@ -135,17 +135,11 @@ ssize_t pread64(int file, void* bytes, std::size_t count, off64_t at) {
 }
 
 ssize_t write(int file, const void* bytes, std::size_t count) {
-  const bool is_cut = fails("write", file);
-  if (is_cut && errno != 0) return -1;
-  return real<ssize_t(int, const void*, std::size_t)>("write")(file, bytes,
-                                                               is_cut ? half(count) : count);
+  return transfer("write", file, bytes, count);
 }
 
 ssize_t pwrite(int file, const void* bytes, std::size_t count, off_t at) {
-  const bool is_cut = fails("pwrite", file);
-  if (is_cut && errno != 0) return -1;
-  return real<ssize_t(int, const void*, std::size_t, off_t)>("pwrite")(
-      file, bytes, is_cut ? half(count) : count, at);
+  return transfer("pwrite", file, bytes, count, at);
 }
 
 ssize_t pwrite64(int file, const void* bytes, std::size_t count, off64_t at) {
@@ -166,12 +160,6 @@ int close(int file) {
   if (!is_lost) return status;
   errno = error;
   return -1;
-}
-
-void* mmap(void* where, std::size_t size, int protection, int flags, int file, off_t at) {
-  if ((flags & MAP_ANONYMOUS) == 0 && fails("mmap", file)) return MAP_FAILED;
-  return real<void*(void*, std::size_t, int, int, int, off_t)>("mmap")(where, size, protection,
-                                                                       flags, file, at);
 }
 
 int signalfd(int file, const sigset_t* signals, int flags) noexcept {

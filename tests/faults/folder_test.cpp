@@ -1,5 +1,6 @@
 #include "tests/faults/fault_study.h"
 #include "tests/faults/tiny_disk.h"
+#include "tests/file_size_limit.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -32,10 +33,10 @@ TEST_F(Folders, TimesOfFilesMeanNothing) {
     }
     // The new file is older, or newer, than all that it is made from and that is made of it.
     fs::remove(posterior.path);
-    EXPECT_EQ(folder_->npdr({"run"}).status, 0);
+    folder_->npdr(0, {"run"});
     EXPECT_EQ(folder_->npdr({"run", "--dry-run"}).out, "");
   }
-  expect_same_results(*folder_);
+  expect_same_results();
 }
 
 TEST_F(Folders, AReadOnlyWorkFolderCanBeLookedAtButNotWorkedIn) {
@@ -53,8 +54,8 @@ TEST_F(Folders, AReadOnlyWorkFolderCanBeLookedAtButNotWorkedIn) {
     const Artefact posterior = folder_->artefacts_of("infer").back();
     fs::remove(posterior.path);
     disk.make_read_only();
-    EXPECT_EQ(folder_->npdr({"status"}).status, 0);
-    const Outcome failed = run(folder_->path(), FaultFolder::making(posterior));
+    folder_->npdr(0, {"status"});
+    const Outcome failed = make(posterior);
     expect_named(failed, posterior.path.filename());
     EXPECT_TRUE(has(failed.err, "make the folder writable"));
     expect_named(folder_->npdr({"run"}), "make the folder writable");
@@ -67,25 +68,21 @@ TEST_F(Folders, NoMoreFilesIsAnErrorThatSaysSo) {
   const fs::path other = folder_->path() / "other";
   const TinyDisk disk(other, "size=8m,nr_inodes=12");
   if (!disk.is_there()) GTEST_SKIP() << disk.why_not();
-  const Outcome failed = folder_->npdr({"run", "--work", "other"});
-  EXPECT_EQ(failed.status, 1);
-  EXPECT_TRUE(has(failed.err, {"No space left on device", "df -i"}));
+  EXPECT_TRUE(
+      has(folder_->npdr(1, {"run", "--work", "other"}).err, {"No space left on device", "df -i"}));
 }
 
 TEST_F(Folders, AWorkFolderThatDisappearsEndsTheRunAndTheNextOneGoesOn) {
   const fs::path gone = folder_->path() / "gone";
   fs::remove_all(folder_->cache() / "infer");
   fs::remove_all(folder_->cache() / "evaluate");
-  const Program program(folder_->path(), FaultFolder::words("npdr", {"run"}));
+  const Program program(folder_->path(), FaultFolder::npdr_words({"run"}));
   EXPECT_TRUE(begins_to_make(program, folder_->cache()));
   fs::rename(folder_->work(), gone);
-  const Outcome outcome = program.wait();
-  EXPECT_TRUE(outcome.status == 1 || outcome.status == 2) << outcome.status << outcome.err;
-  EXPECT_TRUE(has(outcome.err, "runs/"));
+  expect_named(program.wait(), "runs/");
   fs::remove_all(folder_->work());
   fs::rename(gone, folder_->work());
-  EXPECT_EQ(folder_->npdr({"run"}).status, 0);
-  expect_same_results(*folder_);
+  expect_to_go_on();
 }
 
 TEST_F(Folders, WhatIsInTheWayIsNamed) {
@@ -109,8 +106,19 @@ TEST_F(Folders, WhatIsInTheWayIsNamed) {
     EXPECT_TRUE(has(folder_->npdr({"status"}).out, "leads to itself"));
     fs::remove(artefact.path);
   }
-  EXPECT_EQ(folder_->npdr({"run"}).status, 0);
-  expect_same_results(*folder_);
+  expect_to_go_on();
+}
+
+// A limit stands for a quota.
+TEST_F(Folders, AFileThatMayNotGrowIsAnErrorAndNothingIsLeft) {
+  const Artefact artefact = folder_->artefacts_of("infer").front();
+  fs::remove_all(artefact.path);
+  {
+    const FileSizeLimit limit(10'000);
+    EXPECT_TRUE(has(with_status(1, make(artefact)).err,
+                    {"File too large; raise the limit", artefact.path.filename()}));
+  }
+  expect_to_go_on();
 }
 
 }  // namespace

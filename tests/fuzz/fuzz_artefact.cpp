@@ -3,20 +3,17 @@
 #include <functional>
 
 #include "pipeline/artefacts/asked_rows_file.h"
-#include "pipeline/artefacts/baseline_file.h"
-#include "pipeline/artefacts/checkpoint_file.h"
-#include "pipeline/artefacts/diagnosis_checkpoint.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/policy_file.h"
-#include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/proposal_file.h"
+#include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
-#include "pipeline/artefacts/target_file.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/sealed_model.h"
 

@@ -35,27 +35,22 @@ void fuzz_worker(std::string_view input, const std::filesystem::path& folder) {
   const std::string hello(bytes.text());
   write(folder / "hello", hello);
   write(folder / "reply", bytes.rest());
-  ExternalConfig external;
+  Program program;
   // Who waits for the end of a line waits for the time limit; who ends is told of at once.
-  external.worker = hello.find('\n') == std::string::npos
-                        ? "cat hello"
-                        : "read line; cat hello; read line; cat reply";
-  external.time_limit = 10.0;
-  external.folder = folder;
-  sim::SimulatorInfo info;
-  info.parameters = {{"a", "1", 1.0, 0.0, 2.0, "", 0.0}};
-  info.state_channels = {{"x", "m"}};
-  const ProgramInputs inputs{.segments = {.dt = 0.1,
-                                          .num_rollouts = 1,
-                                          .steps = {2},
-                                          .past = {0},
-                                          .first_states = RowMatrix::Zero(1, 1),
-                                          .actions = RowMatrix::Zero(2, 0)}};
-  const std::vector<std::uint32_t> seeds = {1, 2};
-  const ProgramRows rows{RowMatrix::Zero(2, 1), seeds, 0, 5.0};
-  const auto call = make_worker_call(external, info, inputs, 1);
-  sim::Trajectories result = call->empty(2);
-  call->call(rows, result);
+  program.external.worker = hello.find('\n') == std::string::npos
+                                ? "cat hello"
+                                : "read line; cat hello; read line; cat reply";
+  program.external.time_limit = 10.0;
+  program.external.folder = folder;
+  program.info.parameters = {{"a", "1", 1.0, 0.0, 2.0, "", 0.0}};
+  program.info.state_channels = {{"x", "m"}};
+  program.segments = {.dt = 0.1,
+                      .num_rollouts = 1,
+                      .steps = {2},
+                      .past = {0},
+                      .first_states = RowMatrix::Zero(1, 1),
+                      .actions = RowMatrix::Zero(2, 0)};
+  make_worker_call(program)->call({RowMatrix::Zero(2, 1), {1, 2}, 0, 5.0});
 }
 
 }  // namespace npdr::pipeline

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <set>
 
 #include "core/constants.h"
 #include "core/error.h"
@@ -126,32 +125,6 @@ TEST(Ensemble, RefusesWeightsOfAnotherNumberOfNetworks) {
   NetworkParts parts = random_parts(NetworkRole::posterior, EstimatorKind::maf);
   parts.estimator.num_networks = 2;
   EXPECT_THROW(make_posterior(parts), ShapeError);
-}
-
-// What one network is judged by, the others train on.
-TEST(Ensemble, EachNetworkValidatesOnRowsOfItsOwn) {
-  class Watcher : public Objective {
-   public:
-    Index num_rows() const override { return 1000; }
-    double loss(const Parameters<float>&, const Batch& batch,
-                Parameters<float>* gradient) override {
-      if (gradient == nullptr) validated.insert(batch.rows.begin(), batch.rows.end());
-      if (gradient != nullptr) gradient->setZero();
-      return 0.0;
-    }
-    std::set<std::uint32_t> validated;
-  };
-  std::set<std::uint32_t> all;
-  for (Index m = 0; m < 10; ++m) {
-    Watcher watcher;
-    TrainingState state;
-    state.parameters = Parameters<float>::Zero(1);
-    train(watcher, {.max_epochs = 1}, {seed_of_network(1, m), "train", 1, 0, 0}, {1, m}, state,
-          [](const TrainingState&) { return true; });
-    EXPECT_EQ(watcher.validated.size(), 100u);
-    all.merge(watcher.validated);
-  }
-  EXPECT_EQ(all.size(), 1000u);
 }
 
 // Rounds with several networks: neighbors are of other networks in an order that changes.

@@ -120,9 +120,15 @@ TEST(HeavyTails, TheUnitDoesNotMatter) {
   EXPECT_EQ(found_larger->scale, 1024.0f * found->scale);
 }
 
-TEST(HeavyTails, ATransformCompressesThoseFeaturesAlone) {
+// Of three features the second spans orders of magnitude.
+RowMatrixF one_of_three() {
   RowMatrixF x = random_matrix(2000, 3, 1).cast<float>();
   x.col(1) = (3.0f * x.col(1).array()).exp();
+  return x;
+}
+
+TEST(HeavyTails, ATransformCompressesThoseFeaturesAlone) {
+  const RowMatrixF x = one_of_three();
   const MatrixFeatures source(x);
   const FeatureTransform kept = fit_feature_transform(source, 0);
   const FeatureTransform compressed = fit_feature_transform(source, 0, Tails::compressed);
@@ -148,8 +154,7 @@ TEST(HeavyTails, ATransformCompressesThoseFeaturesAlone) {
 }
 
 TEST(HeavyTails, ATransformMayShowThoseFeaturesTwice) {
-  RowMatrixF x = random_matrix(2000, 3, 1).cast<float>();
-  x.col(1) = (3.0f * x.col(1).array()).exp();
+  const RowMatrixF x = one_of_three();
   const MatrixFeatures source(x);
   const FeatureTransform both = fit_feature_transform(source, 0, Tails::both);
   EXPECT_EQ(both.num_inputs(), 3);

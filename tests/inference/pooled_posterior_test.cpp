@@ -179,7 +179,7 @@ TEST(PooledPosterior, RefusesWeightsOfAnotherNetwork) {
   EXPECT_THROW(PooledPosterior{parts}, ShapeError);
 }
 
-// Of a linear-Gaussian task, trained.
+// Of a linear-Gaussian task, trained once.
 class PoolPowersOf : public ::testing::Test {
  protected:
   PoolPowersOf() : prior_(task_.prior()) {
@@ -192,8 +192,11 @@ class PoolPowersOf : public ::testing::Test {
     x_ = simulate(task_.simulator(), data_.theta, 1, 1);
     source_.emplace(x_);
     data_.x = &*source_;
-    std::vector<TrainingState> states;
-    parts_ = estimate_posterior(config_, data_, kTraining, states, never_stop)->parts();
+    static const NetworkParts trained = [&] {
+      std::vector<TrainingState> states;
+      return estimate_posterior(config_, data_, kTraining, states, never_stop)->parts();
+    }();
+    parts_ = trained;
   }
 
   // By the rows that have trained nothing.

@@ -1,10 +1,11 @@
 #include "inference/direct_posterior.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include "core/error.h"
+#include "tests/inference/cells.h"
 #include "tests/inference/gradient_check.h"
+#include "tests/thread_count.h"
 
 namespace npdr::inference {
 namespace {
@@ -26,58 +27,47 @@ DirectPosterior untrained(EstimatorKind kind) {
   return DirectPosterior(parts);
 }
 
-TEST(DirectPosterior, DensityOverThePriorsBoxIntegratesToOne) {
-  for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::mdn}) {
-    const DirectPosterior posterior = untrained(kind);
-    constexpr Index side = 300;
-    RowMatrix theta(side * side, 2);
-    for (Index i = 0; i < side; ++i) {
-      for (Index j = 0; j < side; ++j) {
-        theta(i * side + j, 0) = -1.0 + 4.0 * (static_cast<double>(i) + 0.5) / side;
-        theta(i * side + j, 1) = 0.5 * (static_cast<double>(j) + 0.5) / side;
-      }
-    }
-    // Densities may rise toward the border of the box: the midpoint rule is good to a percent.
-    EXPECT_NEAR(posterior.log_prob(theta).array().exp().sum() * 2.0 / (side * side), 1.0, 0.01)
-        << name_of(kind);
+// Of each kind.
+class DirectPosteriors : public ::testing::TestWithParam<EstimatorKind> {
+ protected:
+  const DirectPosterior posterior_ = untrained(GetParam());
+};
+INSTANTIATE_TEST_SUITE_P(Kinds, DirectPosteriors,
+                         ::testing::Values(EstimatorKind::maf, EstimatorKind::mdn));
+
+TEST_P(DirectPosteriors, DensityOverThePriorsBoxIntegratesToOne) {
+  constexpr Index side = 300;
+  const RowMatrix theta = cells_of({-1.0, 0.0}, {3.0, 0.5}, side);
+  // Densities may rise toward the border of the box: the midpoint rule is good to a percent.
+  EXPECT_NEAR(posterior_.log_prob(theta).array().exp().sum() * 2.0 / (side * side), 1.0, 0.01);
+}
+
+TEST_P(DirectPosteriors, SamplesLieInThePriorsSupport) {
+  const RowMatrix theta = posterior_.sample(1000, {1, "posterior", 0, 0, 0});
+  for (Index i = 0; i < theta.rows(); ++i) {
+    EXPECT_TRUE(posterior_.prior().contains(theta.row(i).transpose()));
   }
 }
 
-TEST(DirectPosterior, SamplesLieInThePriorsSupport) {
-  for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::mdn}) {
-    const DirectPosterior posterior = untrained(kind);
-    const RowMatrix theta = posterior.sample(1000, {1, "posterior", 0, 0, 0});
-    for (Index i = 0; i < theta.rows(); ++i) {
-      EXPECT_TRUE(posterior.prior().contains(theta.row(i).transpose()));
-    }
+TEST_P(DirectPosteriors, SamplesHaveTheSameBitsForAnyCountAndThreadCount) {
+  const StreamId id{1, "posterior", 0, 0, 0};
+  const RowMatrix many = posterior_.sample(300, id);
+  for (const Index count : {300, 17}) {
+    expect_same_for_any_thread_count([&] {
+      const RowMatrix some = posterior_.sample(count, id);
+      EXPECT_EQ(some, many.topRows(count));
+      return posterior_.log_prob(some);
+    });
   }
+  EXPECT_EQ(posterior_.log_prob(many.topRows(17)), posterior_.log_prob(many).head(17));
 }
 
-TEST(DirectPosterior, SamplesHaveTheSameBitsForAnyCountAndThreadCount) {
-  for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::mdn}) {
-    const DirectPosterior posterior = untrained(kind);
-    const StreamId id{1, "posterior", 0, 0, 0};
-    const int threads = omp_get_max_threads();
-    omp_set_num_threads(1);
-    const RowMatrix many = posterior.sample(300, id);
-    const Vector log_prob = posterior.log_prob(many);
-    omp_set_num_threads(3);
-    EXPECT_EQ(posterior.sample(300, id), many);
-    EXPECT_EQ(posterior.sample(17, id), many.topRows(17));
-    EXPECT_EQ(posterior.log_prob(many.topRows(17)), log_prob.head(17));
-    omp_set_num_threads(threads);
-  }
-}
-
-TEST(DirectPosterior, MapIsAtLeastAsLikelyAsAnySample) {
-  for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::mdn}) {
-    const DirectPosterior posterior = untrained(kind);
-    const StreamId id{1, "map", 0, 0, 0};
-    const Vector map = posterior.map(id);
-    EXPECT_TRUE(posterior.prior().contains(map));
-    EXPECT_GE(posterior.log_prob(map.transpose())(0),
-              posterior.log_prob(posterior.sample(1000, id)).maxCoeff() - 1e-6);
-  }
+TEST_P(DirectPosteriors, MapIsAtLeastAsLikelyAsAnySample) {
+  const StreamId id{1, "map", 0, 0, 0};
+  const Vector map = posterior_.map(id);
+  EXPECT_TRUE(posterior_.prior().contains(map));
+  EXPECT_GE(posterior_.log_prob(map.transpose())(0),
+            posterior_.log_prob(posterior_.sample(1000, id)).maxCoeff() - 1e-6);
 }
 
 TEST(DirectPosterior, RejectsPartsThatDontGoTogether) {

@@ -1,12 +1,13 @@
 #include "inference/surrogate_posterior.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cmath>
 
 #include "core/constants.h"
 #include "inference/estimators/ratio_estimator.h"
+#include "tests/inference/cells.h"
+#include "tests/thread_count.h"
 
 namespace npdr::inference {
 namespace {
@@ -28,17 +29,8 @@ NetworkParts some_ratio(SamplerKind sampler) {
   return parts;
 }
 
-// Midpoints of a box_grid over the prior's box.
-RowMatrix box_grid(Index n) {
-  RowMatrix theta(n * n, 2);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      theta.row(i * n + j) << -1.0 + 4.0 * (static_cast<double>(i) + 0.5) / static_cast<double>(n),
-          (static_cast<double>(j) + 0.5) / static_cast<double>(n);
-    }
-  }
-  return theta;
-}
+// Cells of the prior's box.
+RowMatrix box_grid(Index n) { return cells_of({-1.0, 0.0}, {3.0, 1.0}, n); }
 
 TEST(SurrogatePosterior, DensityIntegratesToOneAndEndsWithThePrior) {
   const auto posterior = make_posterior(some_ratio(SamplerKind::slice));
@@ -92,12 +84,9 @@ TEST(SurrogatePosterior, ASampleDependsOnItsNumberAlone) {
 TEST(SurrogatePosterior, SameBitsForAnyThreadCount) {
   for (const SamplerKind sampler : {SamplerKind::slice, SamplerKind::importance}) {
     const auto posterior = make_posterior(some_ratio(sampler));
-    const int threads = omp_get_max_threads();
-    omp_set_num_threads(1);
-    const RowMatrix one = posterior->sample(300, {1, "posterior", 0, 0, 0});
-    omp_set_num_threads(3);
-    EXPECT_EQ(one, posterior->sample(300, {1, "posterior", 0, 0, 0})) << name_of(sampler);
-    omp_set_num_threads(threads);
+    expect_same_for_any_thread_count([&] {
+      return posterior->sample(300, {1, "posterior", 0, 0, 0});
+    });
   }
 }
 

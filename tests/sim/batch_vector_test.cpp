@@ -33,30 +33,6 @@ TEST(BatchVector, ClonesStartAtACacheLineAndAreTheirOwn) {
   EXPECT_NE(values(vector.get()), values(clone.get()));
 }
 
-TEST(BatchVector, LinearCombinationEqualsTheSumOfItsTerms) {
-  const ContextPtr context = make_context();
-  for (int count = 1; count <= 8; ++count) {
-    std::array<VectorPtr, 8> owned;
-    std::array<N_Vector, 8> terms{};
-    std::array<double, 8> coefficients{};
-    for (int k = 0; k < count; ++k) {
-      const auto at = static_cast<std::size_t>(k);
-      owned[at] = counting_vector(context.get(), k);
-      terms[at] = owned[at].get();
-      coefficients[at] = k == 2 ? 0.0 : 0.5 * (k + 1);
-    }
-    const VectorPtr sum(N_VClone(terms[0]));
-    ASSERT_EQ(N_VLinearCombination(count, coefficients.data(), terms.data(), sum.get()), 0);
-    for (Index i = 0; i < kSize; ++i) {
-      double expected = 0.0;
-      for (int k = 0; k < count; ++k) {
-        expected += coefficients[static_cast<std::size_t>(k)] * static_cast<double>(k + i);
-      }
-      ASSERT_EQ(values(sum.get())[i], expected) << count << " terms, element " << i;
-    }
-  }
-}
-
 TEST(BatchVector, LinearCombinationLeavesOutTermsWithoutWeight) {
   const ContextPtr context = make_context();
   const VectorPtr x = counting_vector(context.get(), 1.0);
@@ -67,16 +43,6 @@ TEST(BatchVector, LinearCombinationLeavesOutTermsWithoutWeight) {
   const VectorPtr sum(N_VClone(x.get()));
   ASSERT_EQ(N_VLinearCombination(2, coefficients.data(), terms.data(), sum.get()), 0);
   EXPECT_EQ(values(sum.get())[3], 8.0);
-}
-
-TEST(BatchVector, ScaleMultipliesAndCopies) {
-  const ContextPtr context = make_context();
-  const VectorPtr x = counting_vector(context.get(), 1.0);
-  const VectorPtr z(N_VClone(x.get()));
-  N_VScale(1.0, x.get(), z.get());
-  EXPECT_EQ(values(z.get())[7], 8.0);
-  N_VScale(-0.5, x.get(), z.get());
-  EXPECT_EQ(values(z.get())[7], -4.0);
 }
 
 TEST(BatchVector, NormOfALaneThatDivergedIsZero) {

@@ -39,6 +39,13 @@ ChannelNoise noise_of(double scale, double correlation, double deviation = 0.0) 
           .correlation = {correlation, 0.0}};
 }
 
+NoiseModel usual_model(double correlation) {
+  return model_of({noise_of(0.3, correlation), noise_of(0.1, correlation)});
+}
+std::vector<NoiseValues> usual_values(double correlation) {
+  return {{0.3, correlation, 0.0}, {0.1, correlation, 0.0}};
+}
+
 // A recording of the motion whose first states are recorded with errors, too, and simulations from
 // these first states.
 struct Case {
@@ -127,12 +134,11 @@ double log_density(const NoiseModel& model, const Case& made,
 
 TEST(FirstStates, OfALinearMotionLeaveAGaussianDensity) {
   for (const double correlation : {0.0, 0.7}) {
-    const NoiseModel model = model_of({noise_of(0.3, correlation), noise_of(0.1, correlation)});
+    const NoiseModel model = usual_model(correlation);
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const Case made = make_case(model, seed);
       const NoiseLikelihood likelihood(model, made.recorded, made.first);
-      const double expected =
-          log_density(model, made, {{0.3, correlation, 0.0}, {0.1, correlation, 0.0}});
+      const double expected = log_density(model, made, usual_values(correlation));
       EXPECT_NEAR(likelihood.log_likelihood(made.simulated), expected, 1e-3 * std::abs(expected));
     }
   }
@@ -159,7 +165,7 @@ TEST(FirstStates, IntegrateUnknownScalesOfAllChannels) {
 }
 
 TEST(FirstStates, AreLeftOutWithTheirRollout) {
-  const NoiseModel model = model_of({noise_of(0.3, 0.0), noise_of(0.1, 0.0)});
+  const NoiseModel model = usual_model(0.0);
   const Case made = make_case(model, 5);
   const std::vector<NoiseValues> values = {{0.3}, {0.1}};
   const NoiseLikelihood likelihood(model, made.recorded, made.first);
@@ -190,8 +196,8 @@ TEST(FirstStates, AreFoundWhereNoiseIsSmall) {
 // order.
 TEST(FirstStates, OfALinearMotionMayBeginAnywhere) {
   for (const double correlation : {0.0, 0.7}) {
-    const NoiseModel model = model_of({noise_of(0.3, correlation), noise_of(0.1, correlation)});
-    const std::vector<NoiseValues> values = {{0.3, correlation, 0.0}, {0.1, correlation, 0.0}};
+    const NoiseModel model = usual_model(correlation);
+    const std::vector<NoiseValues> values = usual_values(correlation);
     Case made = make_case(model, 9);
     const FirstStateErrors recorded(model, made.recorded, made.simulated, made.first);
     const double expected = log_density(model, made, values);
@@ -216,8 +222,8 @@ TEST(FirstStates, OfALinearMotionMayBeginAnywhere) {
 // Of a linear motion the misfit is a parabola: the likeliest first states make it smallest.
 TEST(FirstStates, ThatAreLikeliestFitBest) {
   for (const double correlation : {0.0, 0.7}) {
-    const NoiseModel model = model_of({noise_of(0.3, correlation), noise_of(0.1, correlation)});
-    const std::vector<NoiseValues> values = {{0.3, correlation, 0.0}, {0.1, correlation, 0.0}};
+    const NoiseModel model = usual_model(correlation);
+    const std::vector<NoiseValues> values = usual_values(correlation);
     Case made = make_case(model, 10);
     const RowMatrix likeliest =
         FirstStateErrors(model, made.recorded, made.simulated, made.first).first_errors(values);
@@ -242,7 +248,7 @@ TEST(FirstStates, ThatAreLikeliestFitBest) {
 }
 
 TEST(FirstStates, OfAFailedSimulationHaveNoLikelihood) {
-  const NoiseModel model = model_of({noise_of(0.3, 0.0), noise_of(0.1, 0.0)});
+  const NoiseModel model = usual_model(0.0);
   Case made = make_case(model, 7);
   made.simulated.back() = kFloatNaN;
   const NoiseLikelihood likelihood(model, made.recorded, made.first);
@@ -250,7 +256,7 @@ TEST(FirstStates, OfAFailedSimulationHaveNoLikelihood) {
 }
 
 TEST(FirstStates, RefuseOtherShapesAndHeavyTails) {
-  const NoiseModel model = model_of({noise_of(0.3, 0.0), noise_of(0.1, 0.0)});
+  const NoiseModel model = usual_model(0.0);
   const Case made = make_case(model, 8);
   const NoiseLikelihood likelihood(model, made.recorded, made.first);
   EXPECT_NO_THROW(likelihood.require_density());

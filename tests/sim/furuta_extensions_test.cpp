@@ -105,18 +105,5 @@ TEST(FurutaExtensions, CoulombFrictionStopsTheArm) {
   EXPECT_LT(travel(2e-3), 1.5 * 4.0 * inertia / (2.0 * 2e-3));
 }
 
-TEST(FurutaExtensions, CablePullsTheArmToItsRestAngle) {
-  const Furuta model;
-  const Vector theta = theta_of(model, {{"cable_stiffness", 5e-3},
-                                        {"cable_rest_angle", 0.2},
-                                        {"rotary_damping", 2e-3},
-                                        {"pole_damping", 5e-4}});
-  const RowMatrix states =
-      states_by(Integrator::erk4, 1, model, theta, free_motion(Vector::Zero(4), 1250));
-  EXPECT_GT(states(10, 0), 0.0);
-  EXPECT_NEAR(states(1250, 0), 0.2, 1e-4);
-  EXPECT_NEAR(states(1250, 1), 0.0, 1e-4);
-}
-
 }  // namespace
 }  // namespace npdr::sim

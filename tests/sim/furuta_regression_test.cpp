@@ -14,18 +14,6 @@
 namespace npdr::sim {
 namespace {
 
-TEST(SavitzkyGolay, IsExactForItsPolynomials) {
-  constexpr double dt = 0.1;
-  const SavitzkyGolay filter = savitzky_golay(7, 3, dt);
-  Vector x(7);
-  for (Index j = 0; j < 7; ++j) {
-    const double t = static_cast<double>(j - 3) * dt;
-    x(j) = 2.0 - 3.0 * t + 5.0 * t * t - 7.0 * t * t * t;
-  }
-  EXPECT_NEAR(filter.smooth.dot(x), 2.0, 1e-12);
-  EXPECT_NEAR(filter.slope.dot(x), -3.0, 1e-11);
-}
-
 // Savitzky and Golay's own table for five points: (-3, 12, 17, 12, -3) / 35, and for a cubic's
 // slope (1, -8, 0, 8, -1) / 12.
 TEST(SavitzkyGolay, HasThePublishedCoefficients) {

@@ -63,21 +63,6 @@ TEST(FurutaSwingUp, ActsAsTheHybridController) {
   }
 }
 
-TEST(FurutaSwingUp, BalancesWithinTwentyDegreesOfTheTop) {
-  const FurutaSwingUp task = nominal_task();
-  // Only the gains of the balance act, or only the swing-up.
-  const Vector balance{{0.025, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0}};
-  const Vector swing_up{{0.025, 50.0, 0.4, 0.0, 0.0, 0.0, 0.0}};
-  for (const double side : {-1.0, 1.0}) {
-    const Vector inside{{0.1, kPi + side * 19.99 * kDegree, 0.0, 2.0}};
-    const Vector outside{{0.1, kPi + side * 20.01 * kDegree, 0.0, 2.0}};
-    EXPECT_NEAR(command(task, balance, inside), -side * 19.99 * kDegree, 1e-12);
-    EXPECT_EQ(command(task, balance, outside), 0.0);
-    EXPECT_EQ(command(task, swing_up, inside), 0.0);
-    EXPECT_NE(command(task, swing_up, outside), 0.0);
-  }
-}
-
 TEST(FurutaSwingUp, SwingUpPumpsEnergyWithinItsAccelerationAndRestsAtRest) {
   const FurutaSwingUp task = nominal_task();
   const Vector policy{{0.025, 1e6, 0.0, 0.0, 0.0, 0.0, 0.0}};
@@ -88,21 +73,6 @@ TEST(FurutaSwingUp, SwingUpPumpsEnergyWithinItsAccelerationAndRestsAtRest) {
   EXPECT_NEAR(command(task, policy, Vector{{0.0, 0.0, 0.0, 60.0}}), largest, 1e-12);
   EXPECT_NEAR(command(task, policy, Vector{{0.0, 2.0, 0.0, 1.0}}), largest, 1e-12);
   EXPECT_EQ(command(task, policy, Vector{{0.0, 0.0, 0.0, 0.0}}), 0.0);
-}
-
-TEST(FurutaSwingUp, WholeTurnsOfThePoleMakeNoDifference) {
-  const FurutaSwingUp task = nominal_task();
-  const Vector policy = initial_policy(task.info());
-  for (const double offset : {-0.3, -1e-9, 0.0, 1e-9, 0.3, 2.0}) {
-    const Vector upright{{0.2, kPi + offset, 0.3, -0.4}};
-    for (const double turns : {-2.0, -1.0, 1.0}) {
-      Vector turned = upright;
-      turned(1) += 2.0 * kPi * turns;
-      EXPECT_NEAR(command(task, policy, turned), command(task, policy, upright), 1e-12);
-      EXPECT_NEAR(reward(turned, 1.0), reward(upright, 1.0), 1e-13);
-      EXPECT_EQ(is_held(turned), is_held(upright));
-    }
-  }
 }
 
 TEST(FurutaSwingUp, RewardOfOneStateByHand) {
@@ -130,7 +100,9 @@ TEST(FurutaSwingUp, LimitsAreThoseOfTheDevice) {
 }
 
 TEST(FurutaSwingUp, HeldIsUprightAndSlow) {
-  EXPECT_TRUE(is_held(Vector{{1.5, kPi + 9.9 * kDegree, 1.9, -1.9}}));
+  for (const double turn : {-2.0, 0.0, 2.0}) {
+    EXPECT_TRUE(is_held(Vector{{1.5, kPi * (1.0 + turn) + 9.9 * kDegree, 1.9, -1.9}}));
+  }
   EXPECT_FALSE(is_held(Vector{{0.0, kPi + 10.1 * kDegree, 0.0, 0.0}}));
   EXPECT_FALSE(is_held(Vector{{0.0, kPi, 2.1, 0.0}}));
   EXPECT_FALSE(is_held(Vector{{0.0, kPi, 0.0, -2.1}}));

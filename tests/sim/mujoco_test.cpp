@@ -75,6 +75,13 @@ class MujocoModels : public ::testing::Test {
     return target;
   }
 
+  // A swing of a model without actuators.
+  static Target free_swing() {
+    Target free = target(0.01, Vector::Zero(100));
+    free.action_channels.clear();
+    free.rollouts[0].actions.resize(100, 0);
+    return free;
+  }
   static Trajectories replay(const LibrarySimulator& simulator, const Target& target,
                              const RowMatrix& theta, Index segment_length = 0) {
     const std::vector<std::uint32_t> seeds(static_cast<std::size_t>(theta.rows()), 0);
@@ -175,11 +182,8 @@ TEST_F(MujocoModels, SegmentsBeginWhereASensorOfAJointWas) {
 // about its end swings with omega^2 = 3 g / (2 l).
 TEST_F(MujocoModels, MassesOfBodiesGoWithSizesOfTheirGeoms) {
   const LibrarySimulator simulator(config(R"("geom.rod.size3", "body.pole.mass")", "", rod()));
-  Target free = target(0.01, Vector::Zero(100));
-  free.action_channels.clear();
-  free.rollouts[0].actions.resize(100, 0);
   const RowMatrix theta = (RowMatrix(3, 2) << 0.5, 1.0, 0.2, 1.0, 0.2, 7.0).finished();
-  const Trajectories x = replay(simulator, free, theta);
+  const Trajectories x = replay(simulator, free_swing(), theta);
   for (Index i = 0; i < 3; ++i) {
     const double half = theta(i, 0);  // its center stays at 0.5 m
     const double omega = std::sqrt(9.81 * 0.5 / (half * half / 3.0 + 0.25));
@@ -196,11 +200,8 @@ TEST_F(MujocoModels, MassesOfGeomsBecomeInertiasOfBodies) {
   const LibrarySimulator simulator(config(R"("geom.rod.mass", "geom.tip.mass")", "", rod(weight)));
   EXPECT_EQ(simulator.info().parameters[0].nominal, 1.0);
   EXPECT_NEAR(simulator.info().parameters[1].nominal, 0.8, 1e-9) << "of its density";
-  Target free = target(0.01, Vector::Zero(100));
-  free.action_channels.clear();
-  free.rollouts[0].actions.resize(100, 0);
   const RowMatrix theta = (RowMatrix(3, 2) << 1.0, 1e-9, 5.0, 1e-9, 1.0, 3.0).finished();
-  const Trajectories x = replay(simulator, free, theta);
+  const Trajectories x = replay(simulator, free_swing(), theta);
   for (Index i = 0; i < 3; ++i) {
     const double rod = theta(i, 0), tip = theta(i, 1);
     const double omega = std::sqrt(9.81 * (rod / 2.0 + tip) / (rod / 3.0 + tip));

@@ -83,14 +83,17 @@ double log_integral_on_grid(const NoiseModel& model, const std::vector<float>& e
   return highest + std::log(sum * cell) - 0.5 * unknown * std::log(2.0 * std::numbers::pi);
 }
 
+// That of the errors, where all simulated states are 0.
+double log_likelihood(const NoiseModel& model, const std::vector<float>& errors) {
+  return NoiseLikelihood(model, errors).log_likelihood(std::vector<float>(errors.size(), 0.0f));
+}
+
 TEST(NoiseLikelihood, OfKnownNoiseIsItsDensity) {
   for (const bool is_heavy_tailed : {false, true}) {
     const NoiseModel model = model_of(noise_of(true, is_heavy_tailed, 0.0));
     const std::vector<float> errors = errors_of(model, 1);
-    const NoiseLikelihood likelihood(model, errors);
     const double nu = is_heavy_tailed ? 1.0 + std::numbers::e : 0.0;
-    EXPECT_NEAR(likelihood.log_likelihood(std::vector<float>(errors.size(), 0.0f)),
-                log_density(model, errors, 0.2, 0.5, nu), 1e-9);
+    EXPECT_NEAR(log_likelihood(model, errors), log_density(model, errors, 0.2, 0.5, nu), 1e-9);
   }
 }
 
@@ -100,9 +103,7 @@ TEST(NoiseLikelihood, OfHugeErrorsIsItsDensity) {
   std::vector<float> errors = errors_of(model, 1);
   for (float& error : errors) error *= 1e30f;
   const double wanted = log_density(model, errors, 0.2, 0.5, 1.0 + std::numbers::e);
-  EXPECT_NEAR(
-      NoiseLikelihood(model, errors).log_likelihood(std::vector<float>(errors.size(), 0.0f)),
-      wanted, 1e-9 * std::abs(wanted));
+  EXPECT_NEAR(log_likelihood(model, errors), wanted, 1e-9 * std::abs(wanted));
 }
 
 // Tails that heavy don't exist: 1 + e^2 / nu is 1 in double precision.
@@ -111,9 +112,7 @@ TEST(NoiseLikelihood, OfManyDegreesOfFreedomIsGaussian) {
   noise.degrees_of_freedom.median = 1e18;
   const NoiseModel model = model_of(noise);
   const std::vector<float> errors = errors_of(model, 1);
-  EXPECT_NEAR(
-      NoiseLikelihood(model, errors).log_likelihood(std::vector<float>(errors.size(), 0.0f)),
-      log_density(model, errors, 0.2, 0.5, 0.0), 1e-4);
+  EXPECT_NEAR(log_likelihood(model, errors), log_density(model, errors, 0.2, 0.5, 0.0), 1e-4);
 }
 
 TEST(NoiseLikelihood, IntegratesUnknownParameters) {
@@ -121,9 +120,8 @@ TEST(NoiseLikelihood, IntegratesUnknownParameters) {
     for (const bool is_heavy_tailed : {false, true}) {
       const NoiseModel model = model_of(noise_of(is_correlated, is_heavy_tailed, 1.0));
       const std::vector<float> errors = errors_of(model, 3);
-      const NoiseLikelihood likelihood(model, errors);
       // Nodes that follow the mode's curvature leave what the integrand isn't a Gaussian.
-      EXPECT_NEAR(likelihood.log_likelihood(std::vector<float>(errors.size(), 0.0f)),
+      EXPECT_NEAR(log_likelihood(model, errors),
                   log_integral_on_grid(model, errors, is_correlated, is_heavy_tailed), 0.02)
           << is_correlated << is_heavy_tailed;
     }
@@ -137,17 +135,16 @@ TEST(NoiseLikelihood, LeavesARolloutOut) {
   const std::vector<float> second(errors.begin() + kNoisySteps, errors.end());
   EXPECT_NEAR(NoiseLikelihood(both, errors)
                   .log_likelihood_without(0, std::vector<float>(errors.size(), 0.0f)),
-              NoiseLikelihood(one, second).log_likelihood(std::vector<float>(second.size(), 0.0f)),
-              1e-9);
+              log_likelihood(one, second), 1e-9);
 }
 
 TEST(NoiseLikelihood, IsADensityOfStatesOverTheReferenceAmplitude) {
   ChannelNoise relative = noise_of(false, false, 0.0), in_unit = relative;
   in_unit.is_in_unit = true;
   in_unit.scale.median = 0.2 * 3.0;
-  const std::vector<float> errors = errors_of(model_of(relative), 2), none(errors.size(), 0.0f);
-  EXPECT_NEAR(NoiseLikelihood(model_of(relative), errors).log_likelihood(none),
-              NoiseLikelihood(model_of(in_unit), errors).log_likelihood(none), 1e-9);
+  const std::vector<float> errors = errors_of(model_of(relative), 2);
+  EXPECT_NEAR(log_likelihood(model_of(relative), errors), log_likelihood(model_of(in_unit), errors),
+              1e-9);
 }
 
 TEST(NoiseLikelihood, DrawsTheParametersThatMadeTheErrors) {

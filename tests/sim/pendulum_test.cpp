@@ -10,23 +10,6 @@
 namespace npdr::sim {
 namespace {
 
-// Kinetic and potential energy of a uniform rod, 0 at the height of the joint. [J]
-double energy(const Vector& theta, const Eigen::RowVectorXd& state) {
-  const double mass = theta(0), length = theta(1), gravity = theta(2);
-  return mass * length * length / 6.0 * state(1) * state(1) -
-         0.5 * mass * gravity * length * std::cos(state(0));
-}
-
-TEST(Pendulum, KeepsItsEnergyWithoutTorqueAndDamping) {
-  const Pendulum model;
-  const Vector theta = theta_of(model, {{"pole_mass", 0.7}, {"pole_length", 1.3}});
-  const RowMatrix states =
-      states_by(Integrator::erk4, 10, model, theta, free_motion(Eigen::Vector2d(2.5, 1.0), 1000));
-  for (Index t = 0; t <= 1000; ++t) {
-    ASSERT_NEAR(energy(theta, states.row(t)), energy(theta, states.row(0)), 1e-9) << t;
-  }
-}
-
 // The closed-form period of a uniform rod at any amplitude: T = 4 K(sin(theta_0 / 2)) / omega_0
 // with omega_0^2 = 3 g / (2 l). Gravity is chosen so that T is 100 steps.
 TEST(Pendulum, HasTheClosedFormPeriodAtSmallAndLargeAngles) {

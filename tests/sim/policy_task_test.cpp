@@ -12,7 +12,7 @@
 #include "tests/sim/hybrid_controller.h"
 #include "tests/sim/ode_checks.h"
 #include "tests/sim/policy_rows.h"
-#include "tests/sim/thread_count.h"
+#include "tests/thread_count.h"
 
 namespace npdr::sim {
 namespace {
@@ -114,17 +114,6 @@ TEST(PolicyTask, ReplayOfARolloutsActionsIsThatRollout) {
     target.rollouts = {rollout};
     const Trajectories replayed = simulator->replay(target, rows.theta.row(i));
     EXPECT_EQ(replayed.rollout(0, 0), rollout.states.bottomRows(1250).cast<float>());
-  }
-}
-
-TEST(PolicyTask, ReturnOfOneStepIsTheRewardOfItsInitialState) {
-  const PolicyRows rows = random_rows(3);
-  const PolicyRollouts result = run(*swing_up(1), rows);
-  for (Index i = 0; i < 3; ++i) {
-    const Vector x = rows.initial_states.row(i).transpose();
-    const double u = hybrid_controller(rows.policies.row(i).transpose(), x);
-    EXPECT_NEAR(result.returns(i), swing_up_reward(x, u), 1e-12);
-    EXPECT_EQ(result.num_steps[static_cast<std::size_t>(i)], 1);
   }
 }
 

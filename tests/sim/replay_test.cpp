@@ -10,7 +10,7 @@
 #include "core/constants.h"
 #include "core/random.h"
 #include "sim/simulator.h"
-#include "tests/sim/thread_count.h"
+#include "tests/thread_count.h"
 
 namespace npdr::sim {
 namespace {
@@ -92,16 +92,6 @@ TEST(Replay, SameBitsAloneInABatchAndAtAnyPosition) {
           << name_of(integrator) << " row " << i;
     }
   }
-}
-
-TEST(Replay, SameBitsWhateverTheParametersOfTheNeighbors) {
-  const Target target = short_target();
-  const auto simulator = furuta();
-  RowMatrix theta = random_thetas(16);
-  theta.row(5) = complete_theta(*simulator, {}).transpose();
-  const Trajectories mixed = simulator->replay(target, theta);
-  const Trajectories plain = simulator->replay(target, theta.row(5).replicate(16, 1));
-  EXPECT_TRUE(same_bits(mixed.row(5), plain.row(5)));
 }
 
 TEST(Replay, ARowThatDivergesIsMarkedAndLeavesItsNeighborsAlone) {

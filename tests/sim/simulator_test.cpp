@@ -17,10 +17,6 @@ std::string problem_of(const SimulatorConfig& config) {
   return message_of<InputError>([&] { make_simulator(config); });
 }
 
-void expect_part(const std::string& message, const std::string& part) {
-  EXPECT_TRUE(has(message, part));
-}
-
 TEST(Simulator, EveryNameMakesASimulatorOfThisName) {
   EXPECT_EQ(simulator_names(), (std::vector<std::string>{"furuta", "minigolf", "pendulum"}));
   for (const std::string& name : simulator_names()) {
@@ -83,19 +79,20 @@ TEST(Simulator, ParametersThatAreImpossibleFailTheirRow) {
 }
 
 TEST(Simulator, RejectsAConfigThatIsOutOfRange) {
-  expect_part(problem_of({.name = "furta"}), "unknown simulator 'furta' (did you mean 'furuta'?)");
-  expect_part(problem_of({.name = "furuta", .segment_length = -1}),
-              "simulator.segment_length = -1, must be >= 0");
-  expect_part(problem_of({.name = "furuta", .substeps = 0}),
-              "simulator.substeps = 0, must be >= 1");
-  expect_part(problem_of({.name = "furuta", .integrator = Integrator::cvode, .substeps = 4}),
-              "simulator.substeps = 4, must be 1 with integrator 'cvode'");
-  expect_part(problem_of({.name = "furuta", .store_every = 0}),
-              "simulator.store_every = 0, must be >= 1");
-  expect_part(problem_of({.name = "furuta", .parameters = {{"pole_lenght", 0.1}}}),
-              "did you mean 'pole_length'?");
-  expect_part(problem_of({.name = "furuta", .parameters = {{"pole_mass", -0.1}}}),
-              "simulator.parameters.pole_mass = -0.1, must be in [0.0001, 10] kg");
+  EXPECT_TRUE(
+      has(problem_of({.name = "furta"}), "unknown simulator 'furta' (did you mean 'furuta'?)"));
+  EXPECT_TRUE(has(problem_of({.name = "furuta", .segment_length = -1}),
+                  "simulator.segment_length = -1, must be >= 0"));
+  EXPECT_TRUE(
+      has(problem_of({.name = "furuta", .substeps = 0}), "simulator.substeps = 0, must be >= 1"));
+  EXPECT_TRUE(has(problem_of({.name = "furuta", .integrator = Integrator::cvode, .substeps = 4}),
+                  "simulator.substeps = 4, must be 1 with integrator 'cvode'"));
+  EXPECT_TRUE(has(problem_of({.name = "furuta", .store_every = 0}),
+                  "simulator.store_every = 0, must be >= 1"));
+  EXPECT_TRUE(has(problem_of({.name = "furuta", .parameters = {{"pole_lenght", 0.1}}}),
+                  "did you mean 'pole_length'?"));
+  EXPECT_TRUE(has(problem_of({.name = "furuta", .parameters = {{"pole_mass", -0.1}}}),
+                  "simulator.parameters.pole_mass = -0.1, must be in [0.0001, 10] kg"));
 }
 
 TEST(Simulator, ParametersHaveTheirPositionInTheta) {
@@ -107,10 +104,10 @@ TEST(Simulator, ParametersHaveTheirPositionInTheta) {
 
 TEST(Simulator, CompleteThetaNamesTheNearestParameter) {
   const auto simulator = make_simulator({.name = "pendulum"});
-  expect_part(message_of<InputError>([&] {
-                complete_theta(*simulator, {{"pole_mas", 1.0}});
-              }),
-              "unknown pendulum parameter 'pole_mas' (did you mean 'pole_mass'?)");
+  EXPECT_TRUE(has(message_of<InputError>([&] {
+                    complete_theta(*simulator, {{"pole_mas", 1.0}});
+                  }),
+                  "unknown pendulum parameter 'pole_mas' (did you mean 'pole_mass'?)"));
 }
 
 TEST(Simulator, RejectsATargetWithOtherChannels) {
@@ -123,21 +120,22 @@ TEST(Simulator, RejectsATargetWithOtherChannels) {
     return message_of<InputError>([&] { simulator->replay(changed, theta); });
   };
   EXPECT_EQ(message([](Target&) {}), "");
-  expect_part(message([](Target& t) { t.state_channels[1].label = "omega"; }),
-              "target has the state channels 'theta' [rad], 'omega' [rad/s]; simulator 'pendulum' "
-              "expects 'theta' [rad], 'theta_dot' [rad/s]");
-  expect_part(message([](Target& t) { t.state_channels[0].unit = "deg"; }), "'theta' [deg]");
-  expect_part(message([](Target& t) { t.action_channels[0].unit = "mN m"; }),
-              "target has the action channels 'torque' [mN m]");
-  expect_part(message([](Target& t) { t.dt = 0.0; }), "dt = 0");
+  EXPECT_TRUE(
+      has(message([](Target& t) { t.state_channels[1].label = "omega"; }),
+          "target has the state channels 'theta' [rad], 'omega' [rad/s]; simulator 'pendulum' "
+          "expects 'theta' [rad], 'theta_dot' [rad/s]"));
+  EXPECT_TRUE(has(message([](Target& t) { t.state_channels[0].unit = "deg"; }), "'theta' [deg]"));
+  EXPECT_TRUE(has(message([](Target& t) { t.action_channels[0].unit = "mN m"; }),
+                  "target has the action channels 'torque' [mN m]"));
+  EXPECT_TRUE(has(message([](Target& t) { t.dt = 0.0; }), "dt = 0"));
 }
 
 TEST(Simulator, RejectsMoreStepsBetweenStoredStatesThanThereAre) {
   const auto simulator = make_simulator({.name = "pendulum", .store_every = 401});
   const Vector theta = complete_theta(*simulator, {});
   const Target target = simulator->behave(theta, 1, 1);
-  expect_part(message_of<InputError>([&] { simulator->replay(target, theta.transpose()); }),
-              "simulator.store_every = 401, must be <= 400");
+  EXPECT_TRUE(has(message_of<InputError>([&] { simulator->replay(target, theta.transpose()); }),
+                  "simulator.store_every = 401, must be <= 400"));
 }
 
 TEST(Simulator, RejectsAThetaOfAnotherWidth) {

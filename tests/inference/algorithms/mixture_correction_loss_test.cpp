@@ -6,6 +6,7 @@
 
 #include "core/log_sum_exp.h"
 #include "core/normal.h"
+#include "tests/inference/cells.h"
 #include "tests/inference/gradient_check.h"
 
 namespace npdr::inference {
@@ -32,13 +33,7 @@ TEST(MixtureCorrectionLoss, NormalizerEqualsTheIntegral) {
   const GaussianMixture proposal = narrower_than_prior(random_mixture(2, 2, 100));
   constexpr Index side = 800;
   constexpr double width = 20.0 / side;
-  RowMatrix u(side * side, 2);
-  for (Index i = 0; i < side; ++i) {
-    for (Index j = 0; j < side; ++j) {
-      u(i * side + j, 0) = -10.0 + width * (static_cast<double>(i) + 0.5);
-      u(i * side + j, 1) = -10.0 + width * (static_cast<double>(j) + 0.5);
-    }
-  }
+  const RowMatrix u = cells_of({-10.0, -10.0}, {10.0, 10.0}, side);
   const Vector log_prior = -0.5 * u.rowwise().squaredNorm().array() + 2.0 * log_normal_density(0.0);
   const double integral =
       (q.log_prob(u) + proposal.log_prob(u) - log_prior).array().exp().sum() * width * width;
@@ -84,23 +79,18 @@ TEST(MixtureCorrectionLoss, GradientEqualsCentralDifferences) {
       flatten(gradient.log_weights, gradient.means, gradient.precision_factors));
 }
 
+const GaussianMixture kStandard{
+    Vector::Zero(1), {Vector::Zero(3)}, {Eigen::MatrixXd::Identity(3, 3)}};
+
 TEST(MixtureCorrectionLoss, NormalizerIsOneWhenTheProposalIsThePrior) {
-  GaussianMixture prior;
-  prior.log_weights = Vector::Zero(1);
-  prior.means = {Vector::Zero(3)};
-  prior.precision_factors = {Eigen::MatrixXd::Identity(3, 3)};
-  EXPECT_NEAR(MixtureCorrection(prior).log_normalizer(random_mixture(3, 3, 1), nullptr), 0.0,
+  EXPECT_NEAR(MixtureCorrection(kStandard).log_normalizer(random_mixture(3, 3, 1), nullptr), 0.0,
               1e-12);
 }
 
 // Networks forget components by making them flat: their precision is singular up to rounding, and
 // so is A where the proposal is as wide as the prior. Z is 1 there whatever q is.
 TEST(MixtureCorrectionLoss, SurvivesAFlatComponent) {
-  GaussianMixture prior;
-  prior.log_weights = Vector::Zero(1);
-  prior.means = {Vector::Zero(3)};
-  prior.precision_factors = {Eigen::MatrixXd::Identity(3, 3)};
-  MixtureCorrection correction(prior);
+  MixtureCorrection correction(kStandard);
   for (const double large : {1e2, 1e3, 1.1e5}) {
     for (const double small : {1e-3, 1.3e-3, 1e-9}) {
       GaussianMixture q = random_mixture(2, 3, 1);

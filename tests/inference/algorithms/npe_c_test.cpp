@@ -21,10 +21,6 @@ PosteriorEstimationConfig config(EstimatorKind estimator, Loss loss, Index round
   return c;
 }
 
-TEST(NpeC, MafFindsTheLinearGaussianPosteriorInOneRound) {
-  expect_linear_gaussian(config(EstimatorKind::maf, Loss::atomic, 1, 4000));
-}
-
 TEST(NpeC, MafFindsTheLinearGaussianPosteriorOverRoundsWithTheAtomicLoss) {
   expect_linear_gaussian(config(EstimatorKind::maf, Loss::atomic, 2, 2000));
 }

@@ -1,7 +1,6 @@
 #include "inference/diagnostics/c2st.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cmath>
 
@@ -10,6 +9,7 @@
 #include "core/normal.h"
 #include "inference/diagnostics/two_samples.h"
 #include "tests/inference/diagnostics/samples.h"
+#include "tests/thread_count.h"
 
 namespace npdr::inference {
 namespace {
@@ -47,10 +47,6 @@ TEST(C2st, SeesADifferenceInSpread) {
   EXPECT_GT(c2st(gaussian(1000, 2, 1), gaussian(1000, 2, 2, 0.0, 0.5), kC2stId).accuracy, 0.65);
 }
 
-TEST(C2st, OfDisjointSamplesIsOne) {
-  EXPECT_EQ(c2st(gaussian(200, 2, 1), gaussian(200, 2, 2, 100.0), kC2stId).accuracy, 1.0);
-}
-
 TEST(C2st, UnitsDontMatter) {
   const RowMatrix first = gaussian(200, 2, 1), second = gaussian(200, 2, 2, 0.5);
   // A power of two: no rounding.
@@ -76,12 +72,7 @@ TEST(C2st, TellsApartWhatDiffersByAnyMagnitude) {
 
 TEST(C2st, SameBitsForAnyThreadCount) {
   const RowMatrix first = gaussian(203, 2, 1), second = gaussian(203, 2, 2, 0.5);
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
-  const Vector one = c2st(first, second, kC2stId).fold_accuracy;
-  omp_set_num_threads(3);
-  EXPECT_EQ(c2st(first, second, kC2stId).fold_accuracy, one);
-  omp_set_num_threads(threads);
+  expect_same_for_any_thread_count([&] { return c2st(first, second, kC2stId).fold_accuracy; });
 }
 
 TEST(C2st, RejectsWhatCantBeCompared) {

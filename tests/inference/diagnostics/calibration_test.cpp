@@ -83,12 +83,6 @@ TEST(Calibration, AWrongWidthFailsEveryCheck) {
   }
 }
 
-TEST(Calibration, AShiftFailsSbcAndCoverage) {
-  const Verdicts found = judge({.shift = 1.0});
-  EXPECT_LT(found.sbc.p_value, 1e-4);
-  EXPECT_LT(found.density.kolmogorov_smirnov.p_value, 1e-4);
-}
-
 TEST(Calibration, ASimulationDependsOnItsOwnNumberAlone) {
   const LinearGaussian task(2);
   const RowMatrix theta = sample_prior(task.prior(), 10, 1);

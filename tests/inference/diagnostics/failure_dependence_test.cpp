@@ -1,13 +1,13 @@
 #include "inference/diagnostics/failure_dependence.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cmath>
 #include <functional>
 
 #include "core/error.h"
 #include "tests/inference/diagnostics/samples.h"
+#include "tests/thread_count.h"
 
 namespace npdr::inference {
 namespace {
@@ -86,12 +86,8 @@ TEST(FailureDependence, NothingIsSaidOfNothing) {
 
 TEST(FailureDependence, SameBitsForAnyThreadCount) {
   const RowMatrix u = gaussian(200, 3, 1);
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
-  const double one = test_failures(u, any_rows(200), kFailuresId).p_value;
-  omp_set_num_threads(3);
-  EXPECT_EQ(test_failures(u, any_rows(200), kFailuresId).p_value, one);
-  omp_set_num_threads(threads);
+  expect_same_for_any_thread_count(
+      [&] { return test_failures(u, any_rows(200), kFailuresId).p_value; });
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 #include "inference/diagnostics/local_c2st.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include "core/error.h"
 #include "tests/inference/diagnostics/exact_posterior.h"
+#include "tests/thread_count.h"
 
 namespace npdr::inference {
 namespace {
@@ -38,15 +38,10 @@ TEST(LocalC2st, AWrongPosteriorFails) {
 
 TEST(LocalC2st, SameBitsForAnyThreadCount) {
   const LocalC2stData data = data_of({});
-  const LocalC2stConfig config{.num_trials = 3, .max_epochs = 5};
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
-  const LocalC2st one = local_c2st(data, kLocalC2stId, config);
-  omp_set_num_threads(3);
-  const LocalC2st three = local_c2st(data, kLocalC2stId, config);
-  omp_set_num_threads(threads);
-  EXPECT_EQ(one.statistic, three.statistic);
-  EXPECT_EQ(one.null, three.null);
+  expect_same_for_any_thread_count([&] {
+    const LocalC2st found = local_c2st(data, kLocalC2stId, {.num_trials = 3, .max_epochs = 5});
+    return std::pair(found.statistic, found.null);
+  });
 }
 
 TEST(LocalC2st, RejectsWhatDoesntGoTogether) {

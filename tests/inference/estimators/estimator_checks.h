@@ -2,6 +2,7 @@
 #pragma once
 
 #include "inference/estimators/density_estimator.h"
+#include "tests/inference/cells.h"
 #include "tests/inference/gradient_check.h"
 
 namespace npdr::inference {
@@ -54,13 +55,7 @@ inline void expect_gradients_of(const DensityEstimator<double>& estimator, Index
 inline double mass_on_a_grid(const DensityEstimator<double>& estimator, const Vector& parameters) {
   constexpr Index side = 600;
   constexpr double width = 24.0 / side;
-  RowMatrix u(side * side, 2);
-  for (Index i = 0; i < side; ++i) {
-    for (Index j = 0; j < side; ++j) {
-      u(i * side + j, 0) = -12.0 + width * (static_cast<double>(i) + 0.5);
-      u(i * side + j, 1) = -12.0 + width * (static_cast<double>(j) + 0.5);
-    }
-  }
+  const RowMatrix u = cells_of({-12.0, -12.0}, {12.0, 12.0}, side);
   const auto scratch = estimator.make_scratch();
   Vector log_prob;
   estimator.log_prob(parameters, u, random_matrix(1, estimator.context_features(), 8), *scratch,

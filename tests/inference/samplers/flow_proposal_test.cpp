@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "tests/inference/cells.h"
 
 namespace npdr::inference {
 namespace {
@@ -29,11 +30,7 @@ TEST(FlowProposal, IsADensityAndDrawsFromIt) {
   // A grid of cells of 0.05 over [-10, 10]^2. Outside is less than 1e-3 of Student's t.
   constexpr Index side = 400;
   constexpr double step = 0.05;
-  RowMatrix grid(side * side, 2);
-  for (Index i = 0; i < grid.rows(); ++i) {
-    grid.row(i) << -10.0 + step * static_cast<double>(i / side),
-        -10.0 + step * static_cast<double>(i % side);
-  }
+  const RowMatrix grid = cells_of({-10.0, -10.0}, {10.0, 10.0}, side);
   const Vector cells = flow.log_density(grid).array().exp() * step * step;
   EXPECT_NEAR(cells.sum(), 1.0, 2e-3);
   const auto share_above = [](const RowMatrix& u, const Vector& weights, double limit) {

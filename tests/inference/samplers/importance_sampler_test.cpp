@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "core/constants.h"
@@ -48,12 +49,16 @@ ImportanceSampler run(ImportanceSampler sampler, const LogLikelihood& log_likeli
   return sampler;
 }
 
-ImportanceSample run_linear(const ImportanceConfig& config, const RowMatrix& start, Index block) {
+const StreamId kSamplerId{1, "refinement", 1, 0, 0};
+
+ImportanceSampler linear(const ImportanceConfig& config = kSmall, const RowMatrix& start = {}) {
+  return {config, kSamplerDimension, start, kSamplerId};
+}
+
+ImportanceSampler run_linear(ImportanceSampler sampler, Index block = 2000) {
   const GaussianOnALine problem;
   return run(
-             ImportanceSampler(config, kSamplerDimension, start, {1, "refinement", 1, 0, 0}),
-             [&](const RowMatrix& u) { return problem.log_likelihood(u); }, block)
-      .sample();
+      std::move(sampler), [&](const RowMatrix& u) { return problem.log_likelihood(u); }, block);
 }
 
 // Within five standard errors of the effective draws, with the posterior's covariance.
@@ -70,7 +75,7 @@ void expect_posterior(const ImportanceSample& sample, double power) {
 }
 
 TEST(ImportanceSampler, FindsAGaussianPosteriorFromThePriorAlone) {
-  const ImportanceSample sample = run_linear(kSmall, {}, 700);
+  const ImportanceSample sample = run_linear(linear(), 700).sample();
   EXPECT_EQ(sample.certificate.power, 1.0);
   EXPECT_GE(sample.certificate.ess, 3000.0);
   EXPECT_LT(sample.certificate.pareto_k, 0.7);
@@ -89,7 +94,7 @@ TEST(ImportanceSampler, ForgetsAWrongStart) {
   for (Index i = 0; i < start.rows(); ++i) {
     for (Index d = 0; d < kSamplerDimension; ++d) start(i, d) = 2.0 + 0.05 * stream.normal();
   }
-  const ImportanceSample sample = run_linear(kSmall, start, 2000);
+  const ImportanceSample sample = run_linear(linear(kSmall, start)).sample();
   EXPECT_NEAR(sample.certificate.log_evidence, GaussianOnALine().log_evidence(),
               4.0 * sample.certificate.log_evidence_error);
   expect_posterior(sample, 1.0);
@@ -104,7 +109,7 @@ TEST(ImportanceSampler, KnowsItsBestPoint) {
     highest = std::max(highest, values.maxCoeff());
     return values;
   };
-  ImportanceSampler sampler(kSmall, 3, {}, {1, "refinement", 1, 0, 0});
+  ImportanceSampler sampler = linear();
   EXPECT_THROW((void)sampler.best_point(), Error);
   const ImportanceSampler done = run(std::move(sampler), noting, 2000);
   EXPECT_NEAR(problem.log_likelihood(done.best_point().transpose())(0), highest, 1e-9);
@@ -113,7 +118,7 @@ TEST(ImportanceSampler, KnowsItsBestPoint) {
 TEST(ImportanceSampler, RaisesTheLikelihoodToAPower) {
   ImportanceConfig config = kSmall;
   config.likelihood_power = 0.1;
-  const ImportanceSample sample = run_linear(config, {}, 2000);
+  const ImportanceSample sample = run_linear(linear(config)).sample();
   EXPECT_EQ(sample.certificate.power, 0.1);
   expect_posterior(sample, 0.1);
 }
@@ -124,28 +129,20 @@ TEST(ImportanceSampler, FindsBothModes) {
     return -50.0 * (u.col(0).cwiseAbs().array() - 2.0).square();
   };
   const ImportanceSample sample =
-      run(ImportanceSampler(kSmall, 1, {}, {1, "refinement", 1, 0, 0}), log_likelihood, 2000)
-          .sample();
+      run(ImportanceSampler(kSmall, 1, {}, kSamplerId), log_likelihood, 2000).sample();
   const double right =
       (sample.u.col(0).array() > 0.0).select(sample.weights, 0.0).sum() / sample.weights.sum();
   EXPECT_NEAR(right, 0.5, 5.0 * 0.5 / std::sqrt(sample.certificate.ess));
 }
 
-TEST(ImportanceSampler, HasTheSameBitsWhateverTheBlocks) {
-  const ImportanceSample whole = run_linear(kSmall, {}, 2000), pieces = run_linear(kSmall, {}, 333);
-  EXPECT_EQ(whole.u, pieces.u);
-  EXPECT_EQ(whole.weights, pieces.weights);
-}
-
 // Starts again from its state now and then.
 ImportanceSample run_in_pieces(const ImportanceConfig& config, const RowMatrix& start) {
   const GaussianOnALine problem;
-  const StreamId id = {1, "refinement", 1, 0, 0};
-  ImportanceSampler sampler(config, kSamplerDimension, start, id);
+  ImportanceSampler sampler = linear(config, start);
   for (int block = 0; !sampler.is_done(); ++block) {
     sampler.tell(problem.log_likelihood(sampler.next(450)));
     if (block % 3 == 1)
-      sampler = ImportanceSampler(config, kSamplerDimension, {}, id, sampler.state());
+      sampler = ImportanceSampler(config, kSamplerDimension, {}, kSamplerId, sampler.state());
   }
   return sampler.sample();
 }
@@ -153,57 +150,42 @@ ImportanceSample run_in_pieces(const ImportanceConfig& config, const RowMatrix& 
 TEST(ImportanceSampler, GoesOnFromAnyState) {
   ImportanceConfig impatient = kSmall;
   impatient.max_simulations = 6000;
-  for (const ImportanceConfig& config : {kSmall, impatient}) {
-    for (const RowMatrix& start :
-         {RowMatrix(), RowMatrix(RowMatrix::Random(300, kSamplerDimension))}) {
-      const ImportanceSample whole = run_linear(config, start, 2000);
-      const ImportanceSample pieces = run_in_pieces(config, start);
-      EXPECT_EQ(pieces.u, whole.u);
-      EXPECT_EQ(pieces.weights, whole.weights);
-    }
+  const RowMatrix start = RowMatrix::Random(300, kSamplerDimension);
+  for (const auto& [config, begin] : {std::pair(kSmall, start), {impatient, RowMatrix()}}) {
+    const ImportanceSample whole = run_linear(linear(config, begin)).sample();
+    const ImportanceSample pieces = run_in_pieces(config, begin);
+    EXPECT_EQ(pieces.u, whole.u);
+    EXPECT_EQ(pieces.weights, whole.weights);
   }
 }
 
 TEST(ImportanceSampler, RefusesTheStateOfAnotherProblem) {
   const GaussianOnALine problem;
-  const StreamId id = {1, "refinement", 1, 0, 0};
-  ImportanceSampler sampler(kSmall, kSamplerDimension, {}, id);
+  ImportanceSampler sampler = linear();
   for (int level = 0; level < 2; ++level) sampler.tell(problem.log_likelihood(sampler.next(2000)));
-  const auto refuses = [&](const ImportanceState& state) {
-    EXPECT_THROW(ImportanceSampler(kSmall, kSamplerDimension, {}, id, state), ShapeError);
-  };
-  EXPECT_THROW(ImportanceSampler(kSmall, kSamplerDimension + 1, {}, id, sampler.state()),
+  EXPECT_THROW(ImportanceSampler(kSmall, kSamplerDimension + 1, {}, kSamplerId, sampler.state()),
                ShapeError);
-  ImportanceState state = sampler.state();
-  state.levels[1].u.conservativeResize(1999, Eigen::NoChange);
-  refuses(state);
-  state = sampler.state();
-  state.levels[1].log_likelihood.conservativeResize(1999);
-  refuses(state);
-  state = sampler.state();
-  state.levels[1].kind = LevelKind::sweep;
-  refuses(state);
-  state = sampler.state();
-  state.walkers = TemperedWalkers{.u = RowMatrix::Zero(200, kSamplerDimension),
-                                  .log_likelihood = Vector::Zero(200)};
-  refuses(state);
-  for (const double share : {0.0, 0.5, 1000.0, std::nan("")}) {
-    state = sampler.state();
-    state.levels[0].proposal.prior_share = share;  // which has no flows
-    refuses(state);
+  const auto refuses = [&](const std::function<void(ImportanceState&)>& change) {
+    ImportanceState state = sampler.state();
+    change(state);
+    EXPECT_THROW(ImportanceSampler(kSmall, kSamplerDimension, {}, kSamplerId, state), ShapeError);
+  };
+  refuses([](auto& state) { state.levels[1].u.conservativeResize(1999, Eigen::NoChange); });
+  refuses([](auto& state) { state.levels[1].log_likelihood.conservativeResize(1999); });
+  refuses([](auto& state) { state.levels[1].kind = LevelKind::sweep; });
+  refuses([](auto& state) { state.levels[1].kind = LevelKind::reported; });
+  refuses([](auto& state) { state.levels[1].power = std::nan(""); });
+  refuses([](auto& state) { state.num_draws = -1; });
+  refuses([](auto& state) {
+    state.walkers = TemperedWalkers{.u = RowMatrix::Zero(200, kSamplerDimension),
+                                    .log_likelihood = Vector::Zero(200)};
+  });
+  refuses([](auto& state) {
+    state.levels[1].proposal.flows.front().mean = Vector::Zero(kSamplerDimension + 1);
+  });
+  for (const double share : {0.0, 0.5, 1000.0, std::nan("")}) {  // of what has no flows
+    refuses([&](auto& state) { state.levels[0].proposal.prior_share = share; });
   }
-  state = sampler.state();
-  state.levels[1].proposal.flows.front().mean = Vector::Zero(kSamplerDimension + 1);
-  refuses(state);
-  state = sampler.state();
-  state.levels[1].power = std::nan("");
-  refuses(state);
-  state = sampler.state();
-  state.levels[1].kind = LevelKind::reported;
-  refuses(state);
-  state = sampler.state();
-  state.num_draws = -1;
-  refuses(state);
 }
 
 // The likelihood is 0 but for a corner that one draw of the prior in 740 finds, P(u_d > 1.2)^3: a
@@ -224,13 +206,13 @@ TEST(ImportanceSampler, DrawsThePriorAgainWhereFewPointsArePossible) {
 
 TEST(ImportanceSampler, GoesOnAfterItHasSettled) {
   const GaussianOnALine problem;
-  const StreamId id = {1, "refinement", 1, 0, 0};
   const auto result = [&](bool stops) {
-    ImportanceSampler sampler(kSmall, kSamplerDimension, {}, id);
+    ImportanceSampler sampler = linear();
     while (!sampler.is_done()) {
       sampler.tell(problem.log_likelihood(sampler.next(2000)));
       if (sampler.state().num_levels == 2) sampler.settle(0.01);
-      if (stops) sampler = ImportanceSampler(kSmall, kSamplerDimension, {}, id, sampler.state());
+      if (stops)
+        sampler = ImportanceSampler(kSmall, kSamplerDimension, {}, kSamplerId, sampler.state());
     }
     return sampler.sample();
   };
@@ -249,18 +231,15 @@ TEST(ImportanceSampler, SaysHowFarItCameWhenDrawsRunOut) {
   };
   ImportanceConfig config = kSmall;
   config.max_simulations = 6000;
-  const ImportanceSample sample =
-      run(ImportanceSampler(config, kSamplerDimension, {}, {1, "refinement", 1, 0, 0}),
-          log_likelihood, 2000)
-          .sample();
+  const ImportanceSample sample = run(linear(config), log_likelihood, 2000).sample();
   EXPECT_LT(sample.certificate.power, 1.0);
   EXPECT_EQ(sample.certificate.num_draws, 6000);
 }
 
 TEST(ImportanceSampler, KeepsHalfOfWhatIsLeftForTheLastLevels) {
   // More effective draws than there can be.
-  const ImportanceSample sample = run_linear(
-      {.level_size = 1000, .min_ess = 1e6, .max_simulations = 20'000}, RowMatrix(), 1000);
+  const ImportanceSample sample =
+      run_linear(linear({.level_size = 1000, .min_ess = 1e6, .max_simulations = 20'000})).sample();
   EXPECT_EQ(sample.certificate.num_draws, 20'000);
   EXPECT_GE(sample.u.rows(), 6000);
   EXPECT_LE(sample.u.rows(), 12'000);
@@ -304,7 +283,7 @@ TEST(ImportanceSampler, SaysThatAModeIsMissed) {
   const auto run_with = [&](std::size_t level_of_mode) {
     std::size_t level = 0;
     return run(
-        ImportanceSampler(config, kSamplerDimension, {}, {1, "refinement", 1, 0, 0}),
+        linear(config),
         [&](const RowMatrix& u) {
           Vector log_likelihood = GaussianOnALine().log_likelihood(u);
           if (level++ == level_of_mode) log_likelihood(u.rows() - 1) += 20.0;
@@ -328,7 +307,7 @@ TEST(ImportanceSampler, LearnsFurtherFlowsAfterLastLevels) {
   const GaussianOnALine problem;
   bool was_reported = false, learns = false;
   ImportanceSampler sampler({.level_size = 1000, .min_ess = 900.0, .max_simulations = 100'000},
-                            kSamplerDimension, {}, {1, "refinement", 1, 0, 0});
+                            kSamplerDimension, {}, kSamplerId);
   std::vector<Parameters<float>> reported;
   while (!learns && !sampler.is_done()) {
     const ImportanceLevel& level = sampler.state().levels.back();
@@ -353,7 +332,7 @@ TEST(ImportanceSampler, LearnsFurtherFlowsAfterLastLevels) {
 
 TEST(ImportanceSampler, SettlesOnALowerPower) {
   const GaussianOnALine problem;
-  ImportanceSampler sampler(kSmall, kSamplerDimension, {}, {1, "refinement", 1, 0, 0});
+  ImportanceSampler sampler = linear();
   while (sampler.power() < 0.5) {
     sampler.tell(problem.log_likelihood(sampler.next(2000)));
     // Draws of the power that has been reached, before it is drawn from.
@@ -363,19 +342,13 @@ TEST(ImportanceSampler, SettlesOnALowerPower) {
     }
   }
   sampler.settle(0.2);
-  ImportanceSample sample =
-      run(
-          std::move(sampler), [&](const RowMatrix& u) { return problem.log_likelihood(u); }, 2000)
-          .sample();
+  const ImportanceSample sample = run_linear(std::move(sampler)).sample();
   EXPECT_EQ(sample.certificate.power, 0.2);
   expect_posterior(sample, 0.2);
 }
 
 TEST(ImportanceSampler, ThinsItsDraws) {
-  const GaussianOnALine problem;
-  const ImportanceSampler sampler = run(
-      ImportanceSampler(kSmall, kSamplerDimension, {}, {1, "refinement", 1, 0, 0}),
-      [&](const RowMatrix& u) { return problem.log_likelihood(u); }, 2000);
+  const ImportanceSampler sampler = run_linear(linear());
   ImportanceSample few = sampler.particles(1500);
   EXPECT_NEAR(static_cast<double>(few.u.rows()), 1500.0, 5.0 * std::sqrt(1500.0));
   EXPECT_GE(few.weights.minCoeff(), 1.0);
@@ -385,13 +358,10 @@ TEST(ImportanceSampler, ThinsItsDraws) {
 
 // Draws ran out before the last levels were worth enough.
 TEST(ImportanceSampler, GivesWhatTaughtWhereTheLastLevelsHaveTooFewDraws) {
-  const GaussianOnALine problem;
   ImportanceConfig config = kSmall;
   config.min_ess = 1e6;
   config.max_simulations = 30'000;
-  const ImportanceSampler sampler = run(
-      ImportanceSampler(config, kSamplerDimension, {}, {1, "refinement", 1, 0, 0}),
-      [&](const RowMatrix& u) { return problem.log_likelihood(u); }, 2000);
+  const ImportanceSampler sampler = run_linear(linear(config));
   ImportanceSample known = sampler.particles(2000);
   ASSERT_LT(known.certificate.ess, config.min_ess);
   EXPECT_GT(known.certificate.ess_of_all, known.certificate.ess);
@@ -405,17 +375,13 @@ TEST(ImportanceSampler, KeepsIndependentDrawsThatAreNotSoFew) {
   ImportanceConfig config = kSmall;
   config.min_ess = 20'000.0;
   config.max_simulations = 30'000;
-  const GaussianOnALine problem;
-  const ImportanceSampler sampler = run(
-      ImportanceSampler(config, kSamplerDimension, {}, {1, "refinement", 1, 0, 0}),
-      [&](const RowMatrix& u) { return problem.log_likelihood(u); }, 2000);
-  const ImportanceSample sample = sampler.particles(2000);
+  const ImportanceSample sample = run_linear(linear(config)).particles(2000);
   ASSERT_LT(sample.certificate.ess, config.min_ess);
   EXPECT_EQ(sample.certificate.ess_of_all, 0.0);
 }
 
 TEST(ImportanceSampler, RefusesALikelihoodThatIsZeroEverywhere) {
-  ImportanceSampler sampler(kSmall, kSamplerDimension, {}, {1, "refinement", 1, 0, 0});
+  ImportanceSampler sampler = linear();
   const Vector none = Vector::Constant(2000, -kInfinity);
   EXPECT_THROW(sampler.tell(none), InputError);
 }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/error.h"
+#include "inference/ensemble.h"
 
 namespace npdr::inference {
 namespace {
@@ -47,10 +48,12 @@ TrainingState start() {
   return state;
 }
 
+bool go_on(const TrainingState&) { return true; }
+
 TEST(Trainer, FindsTheLeastSquaresLine) {
   Line line;
   TrainingState state = start();
-  train(line, config(), kTrainingId, state, [](const TrainingState&) { return true; });
+  train(line, config(), kTrainingId, state, go_on);
   EXPECT_NEAR(state.best_parameters(0), 2.0, 1e-2);
   EXPECT_NEAR(state.best_parameters(1), -1.0, 2e-2);
   EXPECT_EQ(line.rows_seen.size(), 400u);
@@ -60,7 +63,7 @@ TEST(Trainer, FindsTheLeastSquaresLine) {
 TEST(Trainer, ContinuesFromACheckpointWithTheSameBits) {
   Line line;
   TrainingState whole = start();
-  train(line, config(), kTrainingId, whole, [](const TrainingState&) { return true; });
+  train(line, config(), kTrainingId, whole, go_on);
   TrainingState parts = start();
   while (!parts.finished(config())) {
     train(line, config(), kTrainingId, parts,
@@ -77,7 +80,7 @@ TEST(Trainer, StopsEarlyAndKeepsTheBestWeights) {
   state.parameters << 2.0f, -1.0f;  // already perfect: every step makes it worse
   TrainingConfig c = config();
   c.stop_after_epochs = 5;
-  train(line, c, kTrainingId, state, [](const TrainingState&) { return true; });
+  train(line, c, kTrainingId, state, go_on);
   EXPECT_EQ(state.epoch, 5);
   EXPECT_EQ(state.best_parameters(0), 2.0f);
 }
@@ -106,7 +109,7 @@ TEST(Trainer, AveragingBringsNoisyWeightsToTheMinimum) {
     c.learning_rate = 0.05;
     c.max_epochs = 60;
     c.average_epochs = average_epochs;
-    train(target, c, kTrainingId, state, [](const TrainingState&) { return true; });
+    train(target, c, kTrainingId, state, go_on);
     return state.validation_loss.back();
   };
   EXPECT_LT(error(5.0), 0.5 * error(0.0));
@@ -117,8 +120,7 @@ TEST(Trainer, ReportsATrainingThatDiverged) {
   TrainingState state = start();
   TrainingConfig c = config();
   c.learning_rate = 1e38;
-  EXPECT_THROW(train(line, c, kTrainingId, state, [](const TrainingState&) { return true; }),
-               Error);
+  EXPECT_THROW(train(line, c, kTrainingId, state, go_on), Error);
 }
 
 TEST(Trainer, TakesAllRowsWhenTheyAreFewerThanABatch) {
@@ -127,7 +129,7 @@ TEST(Trainer, TakesAllRowsWhenTheyAreFewerThanABatch) {
   TrainingConfig c = config();
   c.batch_size = 1000;
   c.max_epochs = 3;
-  train(line, c, kTrainingId, state, [](const TrainingState&) { return true; });
+  train(line, c, kTrainingId, state, go_on);
   EXPECT_EQ(line.rows_seen.size(), 400u);
 }
 
@@ -155,8 +157,7 @@ TEST(Trainer, NeverValidatesOnRowsThatAnEarlierRoundTrainedOn) {
     TrainingState state = start();
     TrainingConfig c = config();
     c.max_epochs = 30;
-    train(*watcher, c, {1, "train", round++, 0, 0}, state,
-          [](const TrainingState&) { return true; });
+    train(*watcher, c, {1, "train", round++, 0, 0}, state, go_on);
   }
   EXPECT_EQ(first.validated.size(), 100u);
   EXPECT_EQ(second.validated.size(), 200u);
@@ -172,7 +173,6 @@ TEST(Trainer, RowsKeepTheirPartWhereOthersAreLeftOut) {
   Watcher first(1000), second(std::ssize(left));
   TrainingConfig c = config();
   c.max_epochs = 30;
-  const auto go_on = [](const TrainingState&) { return true; };
   TrainingState one = start(), two = start();
   train(first, c, kTrainingId, {1, 0}, one, go_on);
   train(second, c, kTrainingId, {1, 0, left}, two, go_on);
@@ -182,13 +182,26 @@ TEST(Trainer, RowsKeepTheirPartWhereOthersAreLeftOut) {
   }
 }
 
+// What one network is judged by, the others train on.
+TEST(Trainer, EachNetworkValidatesOnRowsOfItsOwn) {
+  std::set<std::uint32_t> all;
+  for (Index m = 0; m < 10; ++m) {
+    Watcher watcher(1000);
+    TrainingState state = start();
+    train(watcher, {.max_epochs = 1}, {seed_of_network(1, m), "train", 1, 0, 0}, {1, m}, state,
+          go_on);
+    EXPECT_EQ(watcher.validated.size(), 100u);
+    all.merge(watcher.validated);
+  }
+  EXPECT_EQ(all.size(), 1000u);
+}
+
 TEST(Trainer, RejectsASplitThatLeavesNothingToValidate) {
   Line line;
   TrainingState state = start();
   TrainingConfig c = config();
   c.validation_fraction = 0.001;
-  EXPECT_THROW(train(line, c, kTrainingId, state, [](const TrainingState&) { return true; }),
-               InputError);
+  EXPECT_THROW(train(line, c, kTrainingId, state, go_on), InputError);
 }
 
 TEST(Adam, ClipsToTheNormAndSkipsABrokenGradient) {

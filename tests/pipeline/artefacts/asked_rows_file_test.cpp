@@ -1,13 +1,13 @@
-#include "pipeline/artefacts/asked_rows_file.h"
-
-#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
+#include "pipeline/artefacts/asked_rows_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "tests/message_of.h"
+#include "pipeline/artefacts/work_folder.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -19,7 +19,7 @@ Identity posterior_of(const std::string& what) {
   return identity;
 }
 
-class AskedRowsFile : public ::testing::Test {
+class AskedRowsFile : public FolderTest {
  protected:
   AskedRowsFile() { write_asked_rows(folder_.path(), posterior_, asked_); }
 
@@ -30,7 +30,6 @@ class AskedRowsFile : public ::testing::Test {
                                rows);
   }
 
-  TempFolder folder_;
   Identity posterior_ = posterior_of("a posterior");
   AskedRows asked_{.first = 40, .shard_size = 4, .theta = RowMatrix::Random(10, 3)};
 };
@@ -47,19 +46,18 @@ TEST_F(AskedRowsFile, IsReadAsItIsWritten) {
 }
 
 TEST_F(AskedRowsFile, OfAnotherRefinementOrDamagedIsAnError) {
-  const auto message = [](const ArtefactFile& artefact) {
-    return message_of<InputError>([&] { kAskedRowsSchema.read_if_there(artefact); });
+  const auto message = [&](const ArtefactFile& artefact) {
+    return problem([&] { kAskedRowsSchema.read_if_there(artefact); });
   };
-  EXPECT_NE(message({file().path, posterior_of("another").key()}).find("key"), std::string::npos);
+  EXPECT_TRUE(has(message({file().path, posterior_of("another").key()}), "key"));
   AskedRows odd = asked_;
   odd.shard_size = 0;
   write_asked_rows(folder_.path(), posterior_, odd);
-  const ArtefactFile odd_file{folder_ / odd.file_name(), posterior_.key()};
-  EXPECT_NE(odd_file.path, file().path);
-  EXPECT_TRUE(says(message(odd_file),
-                   {odd_file.path, "in shards of 0", "must be from 0 to", "remove this file"}));
+  EXPECT_NE(odd.file_name(), asked_.file_name());
+  EXPECT_TRUE(says(message({folder_ / odd.file_name(), posterior_.key()}),
+                   {odd.file_name(), "in shards of 0", "must be from 0 to", "remove this file"}));
   write_text_file(file().path, "not HDF5");
-  EXPECT_NE(message(file()).find(file().path), std::string::npos);
+  EXPECT_TRUE(has(message(file()), asked_.file_name()));
 }
 
 TEST_F(AskedRowsFile, ThoseThatBeginFirstComeFirst) {
@@ -124,16 +122,49 @@ TEST_F(AskedRowsFile, RolloutsAreThereWhereTheyAreAskedFor) {
 TEST_F(AskedRowsFile, LikelihoodsThatAreNotOfTheShardAreAnError) {
   const std::vector<AskedShard> shards = shards_of(asked_, posterior_.key());
   const auto message = [&](const AskedShard& shard) {
-    return message_of<InputError>([&] { read_simulated_rows(folder_.path(), shard); });
+    return problem([&] { read_simulated_rows(folder_.path(), shard); });
   };
   write(shards[2], {.log_likelihood = Vector::Zero(3), .num_failed = 0});
-  EXPECT_TRUE(says(message(shards[2]), {folder_ / shards[2].file_name, "3 likelihoods",
-                                        "must be of 2 rows", "remove this file"}));
+  EXPECT_TRUE(says(message(shards[2]), {shards[2].file_name, "3 likelihoods", "must be of 2 rows",
+                                        "remove this file"}));
   write(shards[2], {.log_likelihood = Vector::Zero(2), .num_failed = 3});
-  EXPECT_NE(message(shards[2]).find("3 failed rows"), std::string::npos);
+  EXPECT_TRUE(has(message(shards[2]), "3 failed rows"));
   write(shards[0], {.log_likelihood = Vector::Zero(4), .num_failed = 0});
   std::filesystem::copy(folder_ / shards[0].file_name, folder_ / shards[1].file_name);
-  EXPECT_NE(message(shards[1]).find(shards[1].file_name), std::string::npos);
+  EXPECT_TRUE(has(message(shards[1]), shards[1].file_name));
+}
+
+TEST(WorkFolder, LinksAreRelativeAndCanBeRenewed) {
+  const TempFolder folder;
+  folder.file("first", "1");
+  folder.file("second", "2");
+  const auto link = folder.path() / "readable" / "link";
+  make_link(folder / "first", link);
+  EXPECT_EQ(text_of(link), "1");
+  EXPECT_TRUE(std::filesystem::read_symlink(link).is_relative());
+  make_link(folder / "second", link);
+  EXPECT_EQ(text_of(link), "2");
+}
+
+TEST(WorkFolder, WhatAKilledProcessLeftBesideALinkIsRemoved) {
+  const TempFolder folder;
+  folder.file("first", "1");
+  const pid_t dead = ::fork();
+  if (dead == 0) ::_exit(0);
+  ::waitpid(dead, nullptr, 0);
+  const auto readable = folder.path() / "readable";
+  std::filesystem::create_directory(readable);
+  const auto stale =
+      readable / (".link." + process_space() + "." + std::to_string(dead) + ".0.tmp");
+  std::filesystem::create_symlink("../first", stale);
+  make_link(folder / "first", readable / "link");
+  EXPECT_FALSE(std::filesystem::is_symlink(stale));
+}
+
+TEST(WorkFolder, ALinkThatCannotBeMadeIsAnError) {
+  const TempFolder folder;
+  folder.file("readable", "a file, not a folder");
+  EXPECT_THROW(make_link(folder / "first", folder.path() / "readable" / "link"), Error);
 }
 
 }  // namespace

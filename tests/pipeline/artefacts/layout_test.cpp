@@ -1,13 +1,11 @@
 #include "pipeline/artefacts/layout.h"
 
-#include <functional>
-#include <map>
 #include <optional>
 
 #include "core/constants.h"
-#include "core/error.h"
 #include "pipeline/artefacts/layout_tables.h"
 #include "tests/document_tables.h"
+#include "tests/pipeline/store/written_h5.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -30,25 +28,20 @@ void describe(Layout f, Example& e) {
   group("names", e.names, {{"D"}}, "of the columns");
 }
 
-class LayoutFile : public ::testing::Test {
+class LayoutFile : public FolderTest {
  protected:
   Example reread(Example example) const {
-    h5::File written = h5::File::create(folder_ / "a.h5");
-    describe(Layout::writer(written), example);
-    written.close();
-    const h5::File file = h5::File::open(folder_ / "a.h5");
+    const h5::File file = h5::File::open(written_h5(
+        folder_ / "a.h5", [&](h5::File& written) { describe(Layout::writer(written), example); }));
     Example found{{}, {}, {}, {}, false};
     describe(Layout::reader(file), found);
     return found;
   }
-
-  std::string message_after(const std::function<void(Example&)>& change) const {
+  std::string message_after(void (*change)(Example&)) const {
     Example example;
     change(example);
-    return message_of<InputError>([&] { reread(example); }, &folder_);
+    return problem([&] { reread(example); });
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(LayoutFile, ComesBackAsItWas) {
@@ -63,17 +56,11 @@ TEST_F(LayoutFile, ComesBackAsItWas) {
   EXPECT_EQ(reread(example).density, 2.5);
 }
 
-TEST_F(LayoutFile, SizesOfTheSameNameMustBeEqual) {
-  EXPECT_TRUE(says(message_after([](Example& e) {
-                     e.weights.resize(4);
-                     e.weights.setOnes();
-                   }),
+TEST_F(LayoutFile, SizesOfTheSameNameMustBeEqualAndWhatMustBeFiniteIs) {
+  EXPECT_TRUE(says(message_after([](Example& e) { e.weights = VectorF::Ones(4); }),
                    {"a.h5: dataset 'group/weights' has shape (4), must be (3)"}));
   EXPECT_TRUE(says(message_after([](Example& e) { e.names.pop_back(); }),
                    {"a.h5: dataset 'group/names' has shape (1), must be (2)"}));
-}
-
-TEST_F(LayoutFile, WhatMustBeFiniteIs) {
   EXPECT_TRUE(says(message_after([](Example& e) { e.theta(1, 0) = kInfinity; }),
                    {"a.h5: dataset 'theta'", "must be finite"}));
 }

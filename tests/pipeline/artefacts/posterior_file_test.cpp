@@ -1,6 +1,7 @@
 #include "pipeline/artefacts/posterior_file.h"
 
 #include <functional>
+#include <memory>
 
 #include "core/error.h"
 #include "inference/direct_posterior.h"
@@ -53,80 +54,83 @@ inference::NetworkParts parts_of(inference::NetworkRole role, inference::Estimat
   return parts;
 }
 
-class PosteriorFile : public ::testing::Test {
+class PosteriorFile : public FolderTest {
  protected:
+  using Write = std::function<void(h5::File&)>;
+
   PosteriorFile() {
     method_.density_estimator = {
         .kind = inference::EstimatorKind::maf, .num_transforms = 2, .hidden_features = 8};
   }
 
-  // Reads the posterior's file after `change` of its attributes.
-  template <class Change>
-  std::unique_ptr<inference::NetworkPosterior> reread(const Change& change) const {
+  std::filesystem::path written(const Write& write, const Write& change = {}) const {
     const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
     ArtefactWriter writer(folder_ / "p.h5", kPosteriorSchema, identity);
-    write_posterior(writer.file(), method_, small_posterior(method_), {}, {}, {}, {});
-    change(writer.file());
+    write(writer.file());
+    if (change) change(writer.file());
     writer.finish();
-    return read_network_posterior(folder_ / "p.h5");
+    return folder_ / "p.h5";
   }
-
-  template <class T>
-  std::string message_after(const std::string& attribute, const T& value) const {
-    return message_of<InputError>(
-        [&] { reread([&](h5::File& file) { file.set_attribute(attribute, value); }); }, &folder_);
+  // As they come back from a file, after `change` of it.
+  std::unique_ptr<inference::NetworkPosterior> reread(const inference::NetworkParts& parts,
+                                                      const Write& change = {}) const {
+    const auto posterior = inference::make_posterior(parts);
+    return read_network_posterior(
+        written([&](h5::File& file) { write_posterior(file, method_, *posterior, {}, {}, {}, {}); },
+                change));
   }
-
-  std::string message_of_estimator(const inference::EstimatorConfig& config) const {
-    return message_after("density_estimator", to_json(config).dump());
+  std::unique_ptr<inference::NetworkPosterior> reread(const Write& change = {}) const {
+    return reread(small_posterior(method_).parts(), change);
   }
-
-  std::string message_of_embedding(const inference::TrainedEmbeddingConfig& config) const {
-    return message_after("trained_embedding", to_json(config).dump());
+  // It comes back with the same densities.
+  std::unique_ptr<inference::NetworkPosterior> expect_same(
+      const inference::NetworkParts& parts) const {
+    const RowMatrix theta{{0.2}, {0.9}};
+    auto found = reread(parts);
+    EXPECT_EQ(found->parts().role, parts.role);
+    EXPECT_EQ(found->parts().parameters, parts.parameters);
+    EXPECT_EQ(found->parts().embedding, parts.embedding);
+    EXPECT_EQ(found->parts().structure_seed, parts.structure_seed);
+    EXPECT_EQ(found->parts().sampler.num_chains, parts.sampler.num_chains);
+    EXPECT_EQ(found->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
+    return found;
   }
-
-  // As it comes back from a file.
-  std::unique_ptr<inference::NetworkPosterior> reread(
-      const inference::NetworkParts& parts,
-      const std::function<void(h5::File&)>& change = [](h5::File&) {}) const {
-    const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
-    ArtefactWriter writer(folder_ / "p.h5", kPosteriorSchema, identity);
-    write_posterior(writer.file(), method_, *inference::make_posterior(parts), {}, {}, {}, {});
-    change(writer.file());
-    writer.finish();
-    return read_network_posterior(folder_ / "p.h5");
+  // What is said of a file after `change`, or with another attribute.
+  std::string message_after(const Write& change) const {
+    return problem([&] { reread(change); });
+  }
+  std::string message_with(const std::string& attribute, const std::string& value) const {
+    return message_after([&](h5::File& file) { file.set_attribute(attribute, value); });
   }
 
   MethodConfig method_;
-  TempFolder folder_;
 };
 
 TEST_F(PosteriorFile, EveryRoleComesBackAsItWas) {
-  using inference::NetworkRole;
-  RowMatrix theta(2, 1);
-  theta << 0.2, 0.9;
+  using enum inference::NetworkRole;
+  using enum inference::EstimatorKind;
   for (const auto& [role, kind] :
-       {std::pair{NetworkRole::likelihood, inference::EstimatorKind::nsf},
-        {NetworkRole::likelihood, inference::EstimatorKind::mdn},
-        {NetworkRole::ratio, inference::EstimatorKind::resnet}}) {
-    const inference::NetworkParts parts = parts_of(role, kind);
-    const auto posterior = reread(parts);
-    EXPECT_EQ(posterior->parts().role, role);
-    EXPECT_EQ(posterior->parts().parameters, parts.parameters);
-    EXPECT_EQ(posterior->parts().sampler.num_chains, 7);
-    EXPECT_EQ(posterior->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
+       {std::pair{likelihood, nsf}, {likelihood, mdn}, {ratio, resnet}}) {
+    expect_same(parts_of(role, kind));
   }
+  expect_same(small_posterior(method_).parts());
+  inference::NetworkParts convolved = parts_of(posterior, nsf);
+  convolved.embedding = {3, {convolved.transform.num_outputs(), 1, 1}, true};
+  convolved.parameters =
+      inference::make_network(convolved).initial_parameters({1, "initial", 0, 0, 0});
+  const auto found = reread(convolved);
+  EXPECT_EQ(found->parts().embedding, convolved.embedding);
+  EXPECT_EQ(found->parts().parameters, convolved.parameters);
 }
 
 TEST_F(PosteriorFile, WhatXUsuallyIsComesBackAsItWasOrIsRefused) {
-  const inference::UsualFeatures usual = inference::usual_features(RowMatrixF::NullaryExpr(
+  using inference::UsualFeatures;
+  const UsualFeatures usual = inference::usual_features(RowMatrixF::NullaryExpr(
       80, 1, [](Index i, Index) { return static_cast<float>(i * i % 17); }));
-  const auto reread_usual = [&](const std::optional<inference::UsualFeatures>& written) {
-    const Identity identity{key_document(kPosteriorSchema), {}, {{"name", "s"}}, 1};
-    ArtefactWriter writer(folder_ / "p.h5", kPosteriorSchema, identity);
-    write_posterior(writer.file(), method_, small_posterior(method_), {}, {}, {}, written);
-    writer.finish();
-    return read_usual_features(folder_ / "p.h5");
+  const auto reread_usual = [&](const std::optional<UsualFeatures>& of) {
+    return read_usual_features(written([&](h5::File& file) {
+      write_posterior(file, method_, small_posterior(method_), {}, {}, {}, of);
+    }));
   };
   const auto found = reread_usual(usual);
   for (const float x : {3.0F, 40.0F}) {
@@ -135,23 +139,21 @@ TEST_F(PosteriorFile, WhatXUsuallyIsComesBackAsItWasOrIsRefused) {
               inference::test_out_of_distribution(usual, x_o).p_value);
   }
   EXPECT_FALSE(reread_usual({})) << "of too few";
-
-  const auto refusal = [&](const inference::UsualFeatures& written) {
-    return message_of<InputError>([&] { reread_usual(written); }, &folder_);
-  };
-  inference::UsualFeatures broken = usual;
-  broken.distances.resize(4, 2);
-  EXPECT_TRUE(says(refusal(broken), {"p.h5: dataset 'usual/distances' has shape"}));
-  broken = usual;
-  broken.known.resize(0, 1);
-  EXPECT_TRUE(says(refusal(broken), {"p.h5: group 'usual': nothing to compare an x with"}));
-  broken = usual;
-  broken.known.resize(40, 0);
-  broken.transform.basis.resize(0, 0);
-  EXPECT_TRUE(says(refusal(broken), {"p.h5: group 'usual': nothing to compare an x with"}));
-  broken = usual;
-  broken.lowest.resize(2);
-  EXPECT_TRUE(says(refusal(broken), {"p.h5: dataset 'usual/lowest' has shape"}));
+  const std::vector<std::pair<std::string, void (*)(UsualFeatures&)>> cases = {
+      {"dataset 'usual/distances' has shape", [](UsualFeatures& u) { u.distances.resize(4, 2); }},
+      {"group 'usual': nothing to compare an x with",
+       [](UsualFeatures& u) { u.known.resize(0, 1); }},
+      {"group 'usual': nothing to compare an x with",
+       [](UsualFeatures& u) {
+         u.known.resize(40, 0);
+         u.transform.basis.resize(0, 0);
+       }},
+      {"dataset 'usual/lowest' has shape", [](UsualFeatures& u) { u.lowest.resize(2); }}};
+  for (const auto& [said, spoil] : cases) {
+    UsualFeatures broken = usual;
+    spoil(broken);
+    EXPECT_TRUE(says(problem([&] { reread_usual(broken); }), {"p.h5: " + said}));
+  }
 }
 
 TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
@@ -167,19 +169,17 @@ TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
                       likelihood.transform,
                       likelihood.parameters,
                       {.posterior = 0.5, .likelihood = 0.75}};
-  RowMatrix theta(2, 1);
-  theta << 0.2, 0.9;
-  const auto posterior = reread(parts);
-  EXPECT_EQ(posterior->parts().likelihood->powers, parts.likelihood->powers);
-  EXPECT_EQ(posterior->parts().likelihood->estimator.kind, inference::EstimatorKind::maf);
-  EXPECT_EQ(posterior->parts().likelihood->parameters, parts.likelihood->parameters);
+  const auto posterior = expect_same(parts);
   EXPECT_EQ(posterior->parts().transform.basis, parts.transform.basis);
-  EXPECT_EQ(posterior->parts().likelihood->transform.basis, parts.likelihood->transform.basis);
-  EXPECT_EQ(posterior->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
+  const auto& found = *posterior->parts().likelihood;
+  EXPECT_EQ(found.powers, parts.likelihood->powers);
+  EXPECT_EQ(found.estimator.kind, inference::EstimatorKind::maf);
+  EXPECT_EQ(found.parameters, parts.likelihood->parameters);
+  EXPECT_EQ(found.transform.basis, parts.likelihood->transform.basis);
   const auto spoil = [&](h5::File& file) {
     file.group("likelihood").set_attribute("likelihood_power", 2.5);
   };
-  EXPECT_TRUE(says(message_of<InputError>([&] { reread(parts, spoil); }, &folder_),
+  EXPECT_TRUE(says(problem([&] { reread(parts, spoil); }),
                    {"p.h5: group 'likelihood': powers of a pool = 0.5 and 2.5",
                     "must be at least 0 and 2 together"}));
 }
@@ -206,35 +206,25 @@ TEST_F(PosteriorFile, AProposalComesBackAsItWasOrIsRefused) {
   inference::NetworkParts parts =
       parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::mdn);
   parts.proposal = {Vector::Zero(1), {Vector::Constant(1, 0.3)}, {Eigen::MatrixXd::Ones(1, 1)}};
-  RowMatrix theta(2, 1);
-  theta << 0.2, 0.9;
-  EXPECT_EQ(reread(parts)->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
-  const h5::File written = open_artefact(folder_ / "p.h5", kPosteriorSchema);
-  EXPECT_EQ(written.group("mixture").read_vector<double>("log_weight"),
+  expect_same(parts);
+  const h5::File file = open_artefact(folder_ / "p.h5", kPosteriorSchema);
+  EXPECT_EQ(file.group("mixture").read_vector<double>("log_weight"),
             inference::DirectPosterior(parts).mixture().log_weights);
-  EXPECT_EQ(written.group("mixture").dataset("factor").shape(), (h5::Shape{3, 1, 1}));
-  const auto spoil = [&](h5::File& file) {
-    const RowMatrix singular = RowMatrix::Zero(1, 1);
-    file.group("proposal")
-        .dataset("precision_factor")
-        .write_rows<double>(0, 1, {singular.data(), 1});
+  EXPECT_EQ(file.group("mixture").dataset("factor").shape(), (h5::Shape{3, 1, 1}));
+  const auto spoil = [&](h5::File& spoiled) {
+    const double singular = 0.0;
+    spoiled.group("proposal").dataset("precision_factor").write_rows<double>(0, 1, {&singular, 1});
   };
-  EXPECT_TRUE(says(message_of<InputError>([&] { reread(parts, spoil); }, &folder_),
+  EXPECT_TRUE(says(problem([&] { reread(parts, spoil); }),
                    {"p.h5: group 'proposal': precision_factor", "must have a positive diagonal",
                     "rerun stage 'infer'"}));
 }
 
-TEST_F(PosteriorFile, ComesBackAsItWas) {
-  const auto posterior = reread([](h5::File&) {});
-  EXPECT_EQ(posterior->parts().parameters, small_posterior(method_).parts().parameters);
-  EXPECT_EQ(posterior->parts().structure_seed, 5u);
-}
-
 TEST_F(PosteriorFile, AStructureSeedMustBeAnInteger) {
-  for (const char* text : {"abc", "", "5x", "-1", "99999999999999999999"}) {
-    EXPECT_TRUE(says(message_after("structure_seed", std::string(text)),
-                     {"p.h5: attribute 'structure_seed' = '" + std::string(text) + "'",
-                      "must be an integer >= 0"}));
+  for (const std::string text : {"abc", "", "5x", "-1", "99999999999999999999"}) {
+    EXPECT_TRUE(
+        says(message_with("structure_seed", text),
+             {"p.h5: attribute 'structure_seed' = '" + text + "'", "must be an integer >= 0"}));
   }
 }
 
@@ -255,62 +245,44 @@ TEST_F(PosteriorFile, LayersHaveNamesAndShapes) {
 }
 
 TEST_F(PosteriorFile, AnotherOrderOfVariablesIsRefused) {
-  const auto spoil = [](h5::File& file) {
-    const std::int64_t order = 7;
-    file.group("network_1")
-        .dataset("transform_2.order")
-        .write_rows<std::int64_t>(0, 1, {&order, 1});
-  };
-  EXPECT_TRUE(says(message_of<InputError>([&] { reread(spoil); }, &folder_),
+  EXPECT_TRUE(says(message_after([](h5::File& file) {
+                     const std::int64_t order = 7;
+                     file.group("network_1")
+                         .dataset("transform_2.order")
+                         .write_rows<std::int64_t>(0, 1, {&order, 1});
+                   }),
                    {"p.h5: group 'network_1': transform_2.order isn't what", "structure_seed",
                     "rerun stage 'infer'"}));
 }
 
 TEST_F(PosteriorFile, LayersOfAbsurdSizesAreRefused) {
-  EXPECT_TRUE(says(message_of_estimator({.hidden_features = 200000}),
-                   {"p.h5: attribute 'density_estimator': hidden_features = 200000",
-                    "must be >= 1 and <= 4096"}));
-  EXPECT_TRUE(says(message_of_estimator({.num_hidden_layers = 1000000}),
-                   {"p.h5: attribute 'density_estimator': num_hidden_layers = 1000000",
-                    "must be >= 1 and <= 128"}));
-  for (const Index width : {Index{-1}, Index{1} << 40}) {
-    EXPECT_TRUE(says(message_of_embedding({width}),
-                     {"p.h5: attribute 'trained_embedding': features = " + std::to_string(width),
-                      "must be >= 0 and <= 4096"}));
+  const std::string estimator = "attribute 'density_estimator': ";
+  const std::string embedding = "attribute 'trained_embedding': ";
+  const std::vector<std::pair<inference::EstimatorConfig, std::string>> estimators = {
+      {{.hidden_features = 200000},
+       estimator + "hidden_features = 200000, must be >= 1 and <= 4096"},
+      {{.num_hidden_layers = 1000000},
+       estimator + "num_hidden_layers = 1000000, must be >= 1 and <= 128"},
+      // Before it is made.
+      {{.num_transforms = 128, .hidden_features = 4096, .num_hidden_layers = 128},
+       "group 'network_1': 246 weights, but the file's density_estimator and trained_embedding "
+       "have at least 272730947584; rerun stage 'infer'"},
+      {{.kind = inference::EstimatorKind::mdn, .num_components = 1, .hidden_features = 2},
+       "group 'network_1': has no dataset 'hidden_1.weight'"}};
+  for (const auto& [config, said] : estimators) {
+    EXPECT_TRUE(says(message_with("density_estimator", to_json(config).dump()), {"p.h5: " + said}));
   }
-  EXPECT_TRUE(says(message_of_embedding({4096}),
-                   {"p.h5: group 'network_1': ", " weights, but the file's"}));
-}
-
-TEST_F(PosteriorFile, ConvolutionsOfOtherSeriesThanTheFeaturesAreRefused) {
-  EXPECT_TRUE(
-      says(message_of_embedding({4, {2, 10, 3}}),
-           {"p.h5: group 'network_1': attribute 'trained_embedding' has series of 60 values, "
-            "but there are 1 features"}));
-  EXPECT_TRUE(says(message_of_embedding({4, {1, Index{1} << 40, 1}}),
-                   {"p.h5: attribute 'trained_embedding': num_steps = 1099511627776"}));
-}
-
-TEST_F(PosteriorFile, ConvolutionsComeBackAsTheyWere) {
-  inference::NetworkParts parts =
-      parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::nsf);
-  const Index features = parts.transform.num_outputs();
-  parts.embedding = {3, {features, 1, 1}, true};
-  parts.parameters = inference::make_network(parts).initial_parameters({1, "initial", 0, 0, 0});
-  const auto posterior = reread(parts);
-  EXPECT_EQ(posterior->parts().embedding, parts.embedding);
-  EXPECT_EQ(posterior->parts().parameters, parts.parameters);
-}
-
-TEST_F(PosteriorFile, ANetworkWithoutItsWeightsIsRefusedBeforeItIsMade) {
-  EXPECT_TRUE(says(message_of_estimator(
-                       {.num_transforms = 128, .hidden_features = 4096, .num_hidden_layers = 128}),
-                   {"p.h5: group 'network_1': 246 weights, but the file's density_estimator and "
-                    "trained_embedding have at least 272730947584; rerun stage 'infer'"}));
-  EXPECT_TRUE(
-      says(message_of_estimator(
-               {.kind = inference::EstimatorKind::mdn, .num_components = 1, .hidden_features = 2}),
-           {"p.h5: group 'network_1': has no dataset 'hidden_1.weight'"}));
+  const std::vector<std::pair<inference::TrainedEmbeddingConfig, std::string>> embeddings = {
+      {{-1}, embedding + "features = -1, must be >= 0 and <= 4096"},
+      {{Index{1} << 40}, embedding + "features = 1099511627776, must be >= 0 and <= 4096"},
+      {{4096}, "group 'network_1': "},
+      {{4, {2, 10, 3}},
+       "group 'network_1': attribute 'trained_embedding' has series of 60 values, but there are 1 "
+       "features"},
+      {{4, {1, Index{1} << 40, 1}}, embedding + "num_steps = 1099511627776"}};
+  for (const auto& [config, said] : embeddings) {
+    EXPECT_TRUE(says(message_with("trained_embedding", to_json(config).dump()), {"p.h5: " + said}));
+  }
 }
 
 }  // namespace

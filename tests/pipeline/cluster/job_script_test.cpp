@@ -1,11 +1,12 @@
-#include "pipeline/cluster/job_script.h"
 
-#include <gtest/gtest.h>
+#include <optional>
 
 #include "core/error.h"
-#include "pipeline/config/cluster_check.h"
+#include "core/text.h"
+#include "pipeline/cluster/job_script.h"
+#include "pipeline/cluster/task_log.h"
+#include "pipeline/config/field_constraints.h"
 #include "pipeline/config/study_reader.h"
-#include "tests/message_of.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
@@ -22,17 +23,17 @@ std::string one_method() {
              "simulate = { cpus = 2, memory = \"500M\" }"});
 }
 
-class JobScripts : public testing::Test {
+class JobScripts : public FolderTest {
  protected:
+  JobScripts() { plan_.words = {"my study.toml"}; }
+
   std::string script(Stage stage, const Job& job) const {
     Job complete = job;
     complete.nodes = {
         static_cast<std::size_t>(&plan_.node(stage, {"NPE", 1, 1}) - plan_.nodes.data())};
-    return job_script({plan_, {"my study.toml"}, "/home/me/a b", "/opt/npdr", "/home/me/100%"},
-                      complete);
+    return job_script({plan_, "/home/me/a b", "/opt/npdr", "/home/me/100%"}, complete);
   }
 
-  TempFolder folder_;
   Plan plan_ = make_plan(parse_study(one_method(), "s.toml"), WorkFolder(folder_ / "runs"));
 };
 
@@ -55,11 +56,9 @@ TEST_F(JobScripts, OfAnArrayPackShardsAndEndAtTheLast) {
 TEST_F(JobScripts, QuotePathsAsSbatchReadsThem) {
   Job job;
   job.nodes = {0};
-  const std::string text =
-      job_script({plan_, {"s.toml"}, "/home/me/a#b\"c", "/opt/npdr", "/logs"}, job);
+  const std::string text = job_script({plan_, "/home/me/a#b\"c", "/opt/npdr", "/logs"}, job);
   EXPECT_TRUE(has(text, "#SBATCH --chdir=\"/home/me/a#b\\\"c\"\n"));
-  EXPECT_THROW(job_script({plan_, {"s.toml"}, "/home/me/a\\b", "/opt/npdr", "/logs"}, job),
-               InputError);
+  EXPECT_THROW(job_script({plan_, "/home/me/a\\b", "/opt/npdr", "/logs"}, job), InputError);
 }
 
 TEST_F(JobScripts, OfOtherStagesRunTheirArtefacts) {
@@ -70,64 +69,24 @@ TEST_F(JobScripts, OfOtherStagesRunTheirArtefacts) {
              "exec /opt/npdr/npdr task -- /opt/npdr/npdr run 'my study.toml' \\\n  --artefact "}));
 }
 
-TEST(ClusterTable, IsCheckedAndASitesKeysAreDefaults) {
-  const std::string text = one_method();
+TEST(ClusterTable, TakesASitesKeysForDefaults) {
   ClusterConfig site;
   site.account = "lab";
   site.partition = "long";
-  const Study study = parse_study(text, "s.toml", {}, site);
+  const Study study = parse_study(one_method(), "s.toml", {}, site);
   EXPECT_EQ(study.cluster.account, "lab");
   EXPECT_EQ(study.cluster.partition, "short");
-  EXPECT_TRUE(says(message_of<InputError>([&] {
-                     parse_study(text, "s.toml",
-                                 {"cluster.time=\"1 hour\"", "cluster.partition='a b'",
-                                  "cluster.scratch='/tmp/\"x'"});
-                   }),
-                   {"--set cluster.partition='a b': cluster.partition = 'a b'",
-                    "must be one word of printable characters without quotes",
-                    "\n--set cluster.time=\"1 hour\": cluster.time = '1 hour'",
-                    "must be a time such as 90 (minutes), 01:30:00 or 1-12:00 (days-hours:minutes)",
-                    "\n--set cluster.scratch='/tmp/\"x': cluster.scratch = '/tmp/\"x'",
-                    "must be one word of printable characters without quotes"}));
-}
-
-TEST(ClusterTable, ATimeLimitIsLongerThanTheWarningBeforeIt) {
-  EXPECT_TRUE(says(
-      message_of<InputError>([] { parse_study(one_method(), "s.toml", {"cluster.time=\"2\""}); }),
-      {"--set cluster.time=\"2\": cluster.time = '2'",
-       "must be longer than cluster.signal_seconds = 120"}));
-  EXPECT_EQ(seconds_of("90"), 5400.0);
-  EXPECT_EQ(seconds_of("01:30"), 90.0);
-  EXPECT_EQ(seconds_of("01:00:05"), 3605.0);
-  EXPECT_EQ(seconds_of("1-12"), 129600.0);
-  EXPECT_EQ(seconds_of("1-00:01"), 86460.0);
 }
 
 TEST(ClusterTable, OptionsAskForResourcesAlone) {
   const auto parse = [](const std::string& option) {
     parse_study(one_method(), "s.toml", {"cluster.sbatch=[\"" + option + "\"]"});
   };
-  for (const char* option : {"--dependency=afterok:1",
-                             "--comment=x",
-                             "--comm=x",
-                             "-a 1-3",
-                             "-d1",
-                             "--output=x",
-                             "--out=x",
-                             "-o/etc/x",
-                             "-Ho/etc/x",
-                             "--wrap=x",
-                             "--export=x",
-                             "--qos=long --output=x",
-                             "-C big -ox",
-                             "qos=long",
-                             "--",
-                             "-",
-                             "--qos long",
-                             "-C big",
-                             "-C=big",
-                             "--clusters=big",
-                             "-Mbig"}) {
+  const std::string bad =
+      "--dependency=afterok:1;--comment=x;--comm=x;-a 1-3;-d1;--output=x;--out=x;-o/etc/x;"
+      "-Ho/etc/x;--wrap=x;--export=x;--qos=long --output=x;-C big -ox;qos=long;--;-;--qos long;"
+      "-C big;-C=big;--clusters=big;-Mbig";
+  for (const std::string& option : split(bad, ';')) {
     EXPECT_THROW(parse(option), InputError) << option;
   }
   for (const char* option : {"--qos=long", "--hold", "-H", "--exclusive", "--constraint=[a|b]",
@@ -136,14 +95,32 @@ TEST(ClusterTable, OptionsAskForResourcesAlone) {
   }
 }
 
-TEST(ClusterTable, ChangesNoKey) {
-  TempFolder folder;
-  const WorkFolder work(folder / "runs");
-  const Plan one = make_plan(parse_study(one_method(), "s.toml"), work);
-  const Plan other = make_plan(parse_study(one_method(), "s.toml", {"cluster.time=\"5\""}), work);
-  for (std::size_t i = 0; i < one.nodes.size(); ++i) {
-    EXPECT_EQ(one.nodes[i].key, other.nodes[i].key);
+class TaskLog : public FolderTest {
+ protected:
+  std::optional<TaskEnd> end_of(const std::string& text) const {
+    return end_in_log(folder_.file("a.log", text));
   }
+};
+
+TEST_F(TaskLog, SaysWhyATaskEnded) {
+  const auto end = end_of(begin_line("17_3", {"npdr-simulate", "a b.toml"}) +
+                          "\nnpdr-simulate: a.toml: can't be opened\n" + end_line(2, 0.04) + "\n");
+  ASSERT_TRUE(end);
+  EXPECT_EQ(end->exit_status, 2);
+  EXPECT_EQ(end->words, "exit status 2 after 0.0 s: npdr-simulate: a.toml: can't be opened");
+  const auto of_run = end_of(begin_line("17", {"npdr", "run"}) +
+                             "\nnpdr: infer NPE, seed 1, round 1 failed (exit status 1):\n"
+                             "    npdr-infer: the disk is full\n    log: runs/a.log\n" +
+                             end_line(1, 2.0) + "\n");
+  ASSERT_TRUE(of_run);
+  EXPECT_EQ(of_run->words, "exit status 1 after 2.0 s: npdr-infer: the disk is full");
+}
+
+TEST_F(TaskLog, OfATaskThatWasKilledSaysNothing) {
+  EXPECT_FALSE(end_in_log(folder_ / "none.log"));
+  const std::string begin = begin_line("17_3", {"npdr-simulate"}) + "\n";
+  EXPECT_FALSE(end_of(begin));
+  EXPECT_FALSE(end_of(begin + end_line(75, 3.0) + "\n" + begin + "half a li"));
 }
 
 }  // namespace

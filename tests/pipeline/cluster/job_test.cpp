@@ -1,16 +1,13 @@
 #include "pipeline/cluster/job.h"
-#include "pipeline/plan/shards.h"
-
-#include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
 #include "core/text.h"
-#include "pipeline/cluster/doomed_jobs.h"
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/config/study_reader.h"
+#include "pipeline/plan/shards.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
@@ -25,37 +22,59 @@ std::string two_seeds() {
       .method("NPE", {"algorithm = \"npe_c\"", "num_rounds = 2", "num_simulations = 200"});
 }
 
-class Jobs : public testing::Test {
+// Jobs of a study.
+class JobsOfStudy : public FolderTest {
  protected:
-  Jobs() : plan_(make_plan(parse_study(two_seeds(), "s.toml"), WorkFolder(folder_ / "runs"))) {}
+  explicit JobsOfStudy(const std::string& study)
+      : plan_(make_plan(parse_study(study, "s.toml"), WorkFolder(folder_ / "runs"))) {}
 
-  JobsInput input() const {
-    return {plan_, std::nullopt, std::vector<InFlight>(plan_.nodes.size()),
-            std::vector<Index>(plan_.nodes.size(), 2), 1001};
+  static JobsInput input_of(const Plan& plan, Index shards_per_task = 2) {
+    return {plan, std::nullopt, std::vector<InFlight>(plan.nodes.size()),
+            std::vector<Index>(plan.nodes.size(), shards_per_task), 1001};
   }
+  JobsInput input(Index shards_per_task = 2) const { return input_of(plan_, shards_per_task); }
 
   std::size_t index_of(Stage stage, const Use& use) const {
     return static_cast<std::size_t>(&plan_.node(stage, use) - plan_.nodes.data());
   }
-
-  // The position of the job that makes a node; an array's for a simulation.
-  static std::size_t maker_of(const std::vector<Job>& jobs, std::size_t node, bool is_array) {
-    for (std::size_t j = 0; j < jobs.size(); ++j) {
-      const bool has = std::ranges::find(jobs[j].nodes, node) != jobs[j].nodes.end();
-      if (has && jobs[j].is_array() == is_array) return j;
-    }
-    ADD_FAILURE() << "no job makes " << node;
-    return 0;
+  // The position of the first job that makes a node, or of that which is an array or isn't.
+  static std::size_t maker_of(const std::vector<Job>& jobs, std::size_t node,
+                              std::optional<bool> is_array = {}) {
+    const auto makes = [&](const Job& job) {
+      return std::ranges::count(job.nodes, node) > 0 &&
+             job.is_array() == is_array.value_or(job.is_array());
+    };
+    const auto found = std::ranges::find_if(jobs, makes);
+    EXPECT_NE(found, jobs.end()) << "no job makes " << node;
+    return static_cast<std::size_t>(found - jobs.begin());
   }
+  // All of them in a queue, with ids from 10 on.
+  std::vector<QueuedTask> queued(const std::vector<Job>& jobs, const std::string& indices) const {
+    std::vector<QueuedTask> tasks;
+    for (std::size_t j = 0; j < jobs.size(); ++j) {
+      const std::string line = std::to_string(j + 10) + (jobs[j].is_array() ? indices : "|N/A") +
+                               "|PENDING|Dependency||" + tag_of(plan_, jobs[j]).text();
+      for (const QueuedTask& task : parse_queued_tasks(line)) tasks.push_back(task);
+    }
+    EXPECT_TRUE(doomed_jobs(plan_, tasks).empty());
+    return tasks;
+  }
+  QueuedTask task_of(const Job& job, const std::string& begin) const {
+    return parse_queued_tasks(begin + tag_of(plan_, job).text()).front();
+  }
+
+  Plan plan_;
+};
+
+class Jobs : public JobsOfStudy {
+ protected:
+  Jobs() : JobsOfStudy(two_seeds()) {}
 
   void touch_shard(const Node& node, Index shard) const {
     const auto path = shards(plan_, node)[static_cast<std::size_t>(shard)].path;
     std::filesystem::create_directories(path.parent_path());
     std::ofstream(path) << "x";
   }
-
-  TempFolder folder_;
-  Plan plan_;
 };
 
 TEST_F(Jobs, EveryMissingArtefactIsMadeByAJobAfterThoseThatItNeeds) {
@@ -86,8 +105,7 @@ TEST_F(Jobs, ARoundIsAnArrayThenAJobThatAlsoProposesTheNextRound) {
 
 TEST_F(Jobs, OnlyShardsThatAreNeitherThereNorInFlightAreSubmitted) {
   const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 1});
-  JobsInput in = input();
-  in.shards_per_task.assign(plan_.nodes.size(), 1);
+  JobsInput in = input(1);
   in.in_flight[simulation] = InFlight{{"17"}, 1, {2}};
   touch_shard(plan_.nodes[simulation], 0);
   const auto jobs = make_jobs(in);
@@ -122,8 +140,7 @@ TEST_F(Jobs, WhatIsInFlightIsntSubmittedAgainButWaitedFor) {
 }
 
 TEST_F(Jobs, LargeArraysAreSplit) {
-  JobsInput in = input();
-  in.shards_per_task.assign(plan_.nodes.size(), 1);
+  JobsInput in = input(1);
   in.max_array_size = 3;
   const auto jobs = make_jobs(in);
   const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 1});
@@ -141,16 +158,18 @@ TEST_F(Jobs, LargeArraysAreSplit) {
 TEST_F(Jobs, CommentsOfTheQueueTellWhatIsInFlight) {
   const auto jobs = make_jobs(input());
   const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 2});
-  const std::size_t array = maker_of(jobs, simulation, true);
-  const std::string comment = tag_of(plan_, jobs[array]).text();
+  const Job& array = jobs[maker_of(jobs, simulation, true)];
   const std::vector<QueuedTask> tasks = {
-      parse_queued_tasks("40|1|RUNNING|None|n2|" + comment).front(),
+      task_of(array, "40|1|RUNNING|None|n2|"),
       parse_queued_tasks("41|N/A|PENDING|Priority||somebody's own | job").front()};
   const auto flying = in_flight(plan_, tasks);
   EXPECT_EQ(flying[simulation].jobs, std::vector<std::string>{"40"});
   EXPECT_EQ(flying[simulation].shards, (std::set<Index>{2, 3}));
   EXPECT_EQ(tasks_of(plan_, tasks).size(), 1u);
   EXPECT_EQ(tasks.front().id(), "40_1");
+  const Plan other =
+      make_plan(parse_study(two_seeds(), "s.toml"), WorkFolder(folder_ / "elsewhere"));
+  EXPECT_TRUE(tasks_of(other, {tasks.front()}).empty()) << "of another work folder";
 }
 
 TEST_F(Jobs, CommentsOfManySeedsAreShortEnoughForSlurm) {
@@ -158,8 +177,7 @@ TEST_F(Jobs, CommentsOfManySeedsAreShortEnoughForSlurm) {
   study.seeds.clear();
   for (std::uint64_t seed = 1; seed <= 100; ++seed) study.seeds.push_back(seed);
   const Plan plan = make_plan(study, plan_.work);
-  const auto jobs = make_jobs({plan, std::nullopt, std::vector<InFlight>(plan.nodes.size()),
-                               std::vector<Index>(plan.nodes.size(), 2), 1001});
+  const auto jobs = make_jobs(input_of(plan));
   std::size_t longest = 0;
   for (const Job& job : jobs) longest = std::max(longest, tag_of(plan, job).text().size());
   EXPECT_GT(longest, 512u);
@@ -169,58 +187,40 @@ TEST_F(Jobs, CommentsOfManySeedsAreShortEnoughForSlurm) {
 // Task 1 of an array has failed while task 0 runs: what waits for all of it waits in vain.
 TEST_F(Jobs, ThatWaitForAFailedTaskAreDoomed) {
   const auto jobs = make_jobs(input());
-  std::vector<QueuedTask> tasks;
-  for (std::size_t j = 0; j < jobs.size(); ++j) {
-    const std::string line = std::to_string(j + 10) + (jobs[j].is_array() ? "|0-1" : "|N/A") +
-                             "|PENDING|Dependency||" + tag_of(plan_, jobs[j]).text();
-    for (const QueuedTask& task : parse_queued_tasks(line)) tasks.push_back(task);
-  }
-  EXPECT_TRUE(doomed_jobs(plan_, tasks).empty());
-  const std::size_t simulation = index_of(Stage::simulate, {"NPE", 1, 1});
-  const std::string array = std::to_string(maker_of(jobs, simulation, true) + 10);
+  std::vector<QueuedTask> tasks = queued(jobs, "|0-1");
+  const auto job_of = [&](Stage stage, const Use& use) {
+    const bool is_array = stage == Stage::simulate;
+    return std::to_string(maker_of(jobs, index_of(stage, use), is_array) + 10);
+  };
+  const std::string array = job_of(Stage::simulate, {"NPE", 1, 1});
   std::erase_if(tasks, [&](const QueuedTask& task) { return task.id() == array + "_1"; });
   for (QueuedTask& task : tasks) {
     if (task.job == array) task.state = "RUNNING";
   }
   const auto doomed = doomed_jobs(plan_, tasks);
-  const auto is_doomed = [&](Stage stage, const Use& use, bool is_array) {
-    const std::string job = std::to_string(maker_of(jobs, index_of(stage, use), is_array) + 10);
-    return std::ranges::count(doomed, job) == 1;
+  const auto is_doomed = [&](Stage stage, const Use& use) {
+    return std::ranges::count(doomed, job_of(stage, use)) == 1;
   };
-  EXPECT_TRUE(is_doomed(Stage::infer, {"NPE", 1, 1}, false));
-  EXPECT_TRUE(is_doomed(Stage::simulate, {"NPE", 1, 2}, true));
-  EXPECT_TRUE(is_doomed(Stage::evaluate, {"NPE", 1, 2}, false));
-  EXPECT_FALSE(is_doomed(Stage::simulate, {"NPE", 1, 1}, true));
-  EXPECT_FALSE(is_doomed(Stage::infer, {"NPE", 2, 1}, false));
+  EXPECT_TRUE(is_doomed(Stage::infer, {"NPE", 1, 1}));
+  EXPECT_TRUE(is_doomed(Stage::simulate, {"NPE", 1, 2}));
+  EXPECT_TRUE(is_doomed(Stage::evaluate, {"NPE", 1, 2}));
+  EXPECT_FALSE(is_doomed(Stage::simulate, {"NPE", 1, 1}));
+  EXPECT_FALSE(is_doomed(Stage::infer, {"NPE", 2, 1}));
 }
 
-TEST_F(Jobs, OfAnotherWorkFolderAreNotOurs) {
-  const Plan other =
-      make_plan(parse_study(two_seeds(), "s.toml"), WorkFolder(folder_ / "elsewhere"));
-  const auto jobs = make_jobs(input());
-  const QueuedTask task =
-      parse_queued_tasks("40|0|RUNNING|None|n2|" + tag_of(plan_, jobs[1]).text()).front();
-  EXPECT_EQ(tasks_of(plan_, {task}).size(), 1u);
-  EXPECT_TRUE(tasks_of(other, {task}).empty());
-}
+class PolicyJobs : public JobsOfStudy {
+ protected:
+  PolicyJobs()
+      : JobsOfStudy(furuta_study("loop")
+                        .method("NPE", {"num_iterations = 2"})
+                        .with("policy", {})
+                        .with("cluster.policy", {"cpus = 7"})) {}
+};
 
-TEST(PolicyJobs, TheNextIterationWaitsForTheRolloutsThatAPolicyCollects) {
-  const TempFolder folder;
-  const std::string study = furuta_study("loop")
-                                .method("NPE", {"num_iterations = 2"})
-                                .with("policy", {})
-                                .with("cluster.policy", {"cpus = 7"});
-  const Plan plan = make_plan(parse_study(study, "s.toml"), WorkFolder(folder / "runs"));
-  const std::vector<Job> jobs =
-      make_jobs({plan, std::nullopt, std::vector<InFlight>(plan.nodes.size()),
-                 std::vector<Index>(plan.nodes.size(), 1), 1001});
+TEST_F(PolicyJobs, TheNextIterationWaitsForTheRolloutsThatAPolicyCollects) {
+  const std::vector<Job> jobs = make_jobs(input(1));
   const auto maker = [&](Stage stage, const Use& use) {
-    const auto node = static_cast<std::size_t>(&plan.node(stage, use) - plan.nodes.data());
-    return static_cast<std::size_t>(
-        std::ranges::find_if(
-            jobs,
-            [&](const Job& job) { return std::ranges::find(job.nodes, node) != job.nodes.end(); }) -
-        jobs.begin());
+    return maker_of(jobs, index_of(stage, use));
   };
   const auto waits_for = [&](std::size_t job, std::size_t other) {
     return std::ranges::count(jobs[job].needs, other) == 1;
@@ -230,51 +230,37 @@ TEST(PolicyJobs, TheNextIterationWaitsForTheRolloutsThatAPolicyCollects) {
   EXPECT_TRUE(waits_for(search, maker(Stage::infer, {"NPE", 1, 1, 1})));
   EXPECT_TRUE(waits_for(collection, search));
   EXPECT_TRUE(waits_for(maker(Stage::simulate, {"NPE", 1, 1, 2}), collection));
-  for (const Stage stage : {stage_of(plan, jobs[search]), Stage::policy_test}) {
-    EXPECT_EQ(resources_of(plan.study.cluster, stage).cpus, 7);
+  for (const Stage stage : {stage_of(plan_, jobs[search]), Stage::policy_test}) {
+    EXPECT_EQ(resources_of(plan_.study.cluster, stage).cpus, 7);
   }
-  EXPECT_EQ(resources_of(plan.study.cluster, Stage::report).cpus, 1);
+  EXPECT_EQ(resources_of(plan_.study.cluster, Stage::report).cpus, 1);
 }
 
-// A refinement that starts from another posterior, with three helpers.
-class HelperJobs : public testing::Test {
- protected:
-  HelperJobs() : plan_(plan_of(3)), refinement_(index_in(plan_)) {}
+// A refinement that starts from another posterior, with helpers.
+std::string helped_study(int refine_tasks) {
+  return pendulum_study("small")
+      .with("observation_noise", {"scale = 0.1"})
+      .method("NPE", {"num_simulations = 200"})
+      .method("Refined", {"algorithm = \"refine\"", "refine = { start = \"NPE\" }"})
+      .with("cluster.simulate", {"cpus = 5"})
+      .with("cluster", {"refine_tasks = " + std::to_string(refine_tasks)});
+}
 
-  Plan plan_of(Index refine_tasks) const {
-    const std::string study =
-        pendulum_study("small")
-            .with("observation_noise", {"scale = 0.1"})
-            .method("NPE", {"num_simulations = 200"})
-            .method("Refined", {"algorithm = \"refine\"", "refine = { start = \"NPE\" }"})
-            .with("cluster.simulate", {"cpus = 5"})
-            .with("cluster", {"refine_tasks = " + std::to_string(refine_tasks)});
-    return make_plan(parse_study(study, "s.toml"), WorkFolder(folder_ / "runs"));
-  }
-  static std::size_t index_in(const Plan& plan) {
-    const Node& node = plan.node(Stage::infer, {"Refined", 1, 1});
-    return static_cast<std::size_t>(&node - plan.nodes.data());
-  }
-  static JobsInput input(const Plan& plan) {
-    return {plan, std::nullopt, std::vector<InFlight>(plan.nodes.size()),
-            std::vector<Index>(plan.nodes.size(), 2), 1001};
-  }
+class HelperJobs : public JobsOfStudy {
+ protected:
+  HelperJobs() : JobsOfStudy(helped_study(3)) {}
+
   static std::vector<Job> helpers_of(const std::vector<Job>& jobs) {
     std::vector<Job> helpers;
     std::ranges::copy_if(jobs, std::back_inserter(helpers), &Job::is_helper);
     return helpers;
   }
-  QueuedTask task_of(const Job& job, const std::string& begin) const {
-    return parse_queued_tasks(begin + tag_of(plan_, job).text()).front();
-  }
 
-  TempFolder folder_;
-  Plan plan_;
-  std::size_t refinement_;
+  std::size_t refinement_ = index_of(Stage::infer, {"Refined", 1, 1});
 };
 
 TEST_F(HelperJobs, AreAnArrayBesideARefinementThatNothingWaitsFor) {
-  const auto jobs = make_jobs(input(plan_));
+  const auto jobs = make_jobs(input());
   const auto is_its = [&](const Job& job) {
     return !job.is_helper() && std::ranges::count(job.nodes, refinement_) == 1;
   };
@@ -293,14 +279,15 @@ TEST_F(HelperJobs, AreAnArrayBesideARefinementThatNothingWaitsFor) {
   for (const Job& job : jobs) EXPECT_EQ(std::ranges::count(job.needs, position), 0);
   EXPECT_EQ(stage_of(plan_, *helpers), Stage::simulate);
   EXPECT_EQ(label_of(plan_, *helpers), "help infer Refined, seed 1, round 1");
-  EXPECT_TRUE(helpers_of(make_jobs(input(plan_of(0)))).empty()) << "none are wanted";
+  const Plan alone = make_plan(parse_study(helped_study(0), "s.toml"), plan_.work);
+  EXPECT_TRUE(helpers_of(make_jobs(input_of(alone))).empty()) << "none are wanted";
 }
 
 TEST_F(HelperJobs, RunTheirPartOfTheRefinement) {
-  const auto jobs = make_jobs(input(plan_));
+  const auto jobs = make_jobs(input());
   const auto helpers = helpers_of(jobs);
   ASSERT_EQ(helpers.size(), 1u);
-  const ScriptContext context{plan_, {"s.toml"}, "/here", "/programs", "/logs"};
+  const ScriptContext context{plan_, "/here", "/programs", "/logs"};
   const std::string script = job_script(context, helpers.front());
   EXPECT_TRUE(
       has(script, {"--job-name=npdr-small-help\n", "--cpus-per-task=5\n", "/help-infer-refined",
@@ -313,7 +300,7 @@ TEST_F(HelperJobs, RunTheirPartOfTheRefinement) {
 }
 
 TEST_F(HelperJobs, MakeNothingThatIsInFlight) {
-  const auto jobs = make_jobs(input(plan_));
+  const auto jobs = make_jobs(input());
   const QueuedTask helper = task_of(helpers_of(jobs).front(), "40|1|RUNNING|None|n2|");
   EXPECT_EQ(tasks_of(plan_, {helper}).size(), 1u) << "npdr cancel ends it";
   const auto flying = in_flight(plan_, {helper});
@@ -323,7 +310,7 @@ TEST_F(HelperJobs, MakeNothingThatIsInFlight) {
 }
 
 TEST_F(HelperJobs, ThatAreQueuedArentSubmittedAgain) {
-  JobsInput in = input(plan_);
+  JobsInput in = input();
   in.in_flight[refinement_].helpers = {"40"};
   EXPECT_TRUE(helpers_of(make_jobs(in)).empty());
   // Helpers have gone, the refinement hasn't.
@@ -337,14 +324,8 @@ TEST_F(HelperJobs, ThatAreQueuedArentSubmittedAgain) {
 }
 
 TEST_F(HelperJobs, OfARefinementThatWillNeverBeginAreDoomed) {
-  const auto jobs = make_jobs(input(plan_));
-  std::vector<QueuedTask> tasks;
-  for (std::size_t j = 0; j < jobs.size(); ++j) {
-    const std::string line = std::to_string(j + 10) + (jobs[j].is_array() ? "|0-2" : "|N/A") +
-                             "|PENDING|Dependency||" + tag_of(plan_, jobs[j]).text();
-    for (const QueuedTask& task : parse_queued_tasks(line)) tasks.push_back(task);
-  }
-  EXPECT_TRUE(doomed_jobs(plan_, tasks).empty());
+  const auto jobs = make_jobs(input());
+  std::vector<QueuedTask> tasks = queued(jobs, "|0-2");
   const auto position = std::ranges::find_if(jobs, &Job::is_helper) - jobs.begin();
   const std::string start =
       std::to_string(jobs[static_cast<std::size_t>(position)].needs.front() + 10);
@@ -363,11 +344,6 @@ TEST(QueuedTasks, OfAnArrayThatWaitsStandInOneLine) {
   }
   EXPECT_TRUE(parse_indices("1-").empty());
   EXPECT_TRUE(parse_indices("5-9:0").empty());
-}
-
-TEST(IndexRanges, AreShort) {
-  EXPECT_EQ(index_ranges({0, 2, 3, 4, 9}), "0,2-4,9");
-  EXPECT_EQ(index_ranges({5}), "5");
 }
 
 }  // namespace

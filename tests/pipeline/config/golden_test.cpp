@@ -6,6 +6,7 @@
 #include "pipeline/plan/plan.h"
 #include "tests/golden_file.h"
 #include "tests/pipeline/small_study.h"
+#include "tests/pipeline/standing_recording.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -17,6 +18,8 @@ TEST(Golden, Config) {
   folder.file("run.csv", "t [s],theta [rad]\n");
   folder.file("peak.csv", "peak [m],mean\n1,2\n");
   folder.file("sim.sh", "exit 0");
+  write_standing(folder / "standing.h5");
+  write_standing(folder / "one_step.h5", 2, 1);
   import_dataset(folder.file("theta.csv", "b,a\n1,2\n3,4\n"), folder.file("x.csv", "1,2\n3,4\n"),
                  folder / "d.h5");
   const std::string path = folder.path().string();

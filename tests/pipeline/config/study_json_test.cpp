@@ -1,9 +1,10 @@
+
 #include "pipeline/config/study_json.h"
 
-#include <set>
-
 #include "pipeline/config/study_keys.h"
+#include "pipeline/config/study_template.h"
 #include "pipeline/store/hostile_json.h"
+#include "tests/document_tables.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
@@ -12,52 +13,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Every path of a study's JSON down to the fields that study_keys() lists.
-void list_paths(const Json& json, const std::string& prefix, const std::vector<StudyKey>& keys,
-                std::vector<std::string>& paths) {
-  for (const auto& [key, value] : json.items()) {
-    const std::string path = prefix + key;
-    const bool listed =
-        std::any_of(keys.begin(), keys.end(), [&](const StudyKey& k) { return k.path == path; });
-    if (listed) {
-      paths.push_back(path);
-    } else if (!value.empty()) {
-      list_paths(value.is_array() ? value.front() : value, path + ".", keys, paths);
-    }
-  }
-}
-
-// Keys that exclude the truth and the simulator of the test's study, mean nothing to them, or have
-// no default.
-bool is_rival(const std::string& path) {
-  static const std::set<std::string> rivals = {"target.recording",
-                                               "target.observation",
-                                               "target.inputs",
-                                               "simulator.command",
-                                               "simulator.worker",
-                                               "simulator.library",
-                                               "simulator.mjcf",
-                                               "simulator.dataset",
-                                               "observation_noise.scale_prior",
-                                               "observation_noise.std",
-                                               "observation_noise.correlation",
-                                               "observation_noise.correlation_prior",
-                                               "observation_noise.degrees_of_freedom",
-                                               "observation_noise.degrees_of_freedom_prior"};
-  return rivals.contains(path) || path.starts_with("simulator.parameter.");
-}
-
-TEST(StudyJson, HoldsEveryFieldInTheOrderOfTheDescription) {
-  const std::vector<StudyKey> keys = study_keys();
-  std::vector<std::string> expected, found;
-  for (const StudyKey& key : keys) {
-    if (!is_rival(key.path)) expected.push_back(key.path);
-  }
-  const std::string text = std::string(kStudyText) + "\n[[reference]]\nname = 'measured'";
-  list_paths(to_json(parse_study(text, "s.toml")), "", keys, found);
-  EXPECT_EQ(found, expected);
-}
-
 TEST(StudyJson, WritesThePriorInOrderWithUnits) {
   EXPECT_EQ(to_json(parse_study(kStudyText, "s.toml"))["prior"].dump(),
             R"([{"name":"pole_mass","unit":"kg","uniform":[0.3,1.7]},)"
@@ -65,17 +20,18 @@ TEST(StudyJson, WritesThePriorInOrderWithUnits) {
 }
 
 TEST(StudyJson, ReadsEveryKindOfPriorBack) {
-  const Study study = parse_study(
-      kStudyText, "s.toml",
-      {"prior.gravity={ normal = [9.81, 0.05] }", "prior.damping={ lognormal = [-3.0, 0.5] }"});
+  const Study study = parse_study(kStudyText, "s.toml",
+                                  {"prior.gravity={ normal = [9.81, 0.123456789012345678] }",
+                                   "prior.damping={ lognormal = [-3.0, 0.5] }"});
   EXPECT_EQ(study.prior[3].kind, inference::Marginal::Kind::log_normal) << "other spelling";
   const auto prior = prior_from_json(to_json(study)["prior"], "p.h5");
   ASSERT_EQ(prior.size(), study.prior.size());
   for (std::size_t d = 0; d < prior.size(); ++d) {
     EXPECT_EQ(prior[d].name, study.prior[d].name);
+    EXPECT_EQ(prior[d].unit, study.prior[d].unit);
     EXPECT_EQ(prior[d].kind, study.prior[d].kind);
     EXPECT_EQ(prior[d].a, study.prior[d].a);
-    EXPECT_EQ(prior[d].b, study.prior[d].b);
+    EXPECT_EQ(prior[d].b, study.prior[d].b) << "to the bit";
   }
 }
 
@@ -100,27 +56,8 @@ TEST(StudyJson, ConfigsSurviveARoundTrip) {
   expect_round_trip(method.density_estimator);
   expect_round_trip(method.training);
   expect_round_trip(method.algorithm);
-  EXPECT_EQ(from_json<inference::EmbeddingConfig>(to_json(method.embedding), "").channels,
-            method.embedding.channels);
-  EXPECT_EQ(from_json<inference::TrainingConfig>(to_json(method.training), "").learning_rate, 1e-3);
-}
-
-TEST(StudyJson, PriorsSurviveARoundTrip) {
-  const Study study =
-      parse_study(kStudyText, "s.toml", {"prior.gravity={normal=[9.81, 0.123456789012345678]}"});
-  const std::vector<inference::Marginal> prior = prior_from_json(to_json(study.prior), "p.h5");
-  ASSERT_EQ(prior.size(), 3u);
-  for (std::size_t i = 0; i < prior.size(); ++i) {
-    EXPECT_EQ(prior[i].name, study.prior[i].name);
-    EXPECT_EQ(prior[i].unit, study.prior[i].unit);
-    EXPECT_EQ(prior[i].kind, study.prior[i].kind);
-    EXPECT_EQ(prior[i].a, study.prior[i].a);
-    EXPECT_EQ(prior[i].b, study.prior[i].b) << "to the bit";
-  }
-}
-
-TEST(StudyJson, AMissingKeyKeepsItsDefault) {
-  EXPECT_EQ(from_json<inference::TrainingConfig>(Json::object(), "").batch_size, 50);
+  EXPECT_EQ(from_json<inference::TrainingConfig>(Json::object(), "").batch_size, 50)
+      << "a missing key keeps its default";
 }
 
 template <class Config>
@@ -130,28 +67,27 @@ std::string problem_of(const std::string& json) {
 
 TEST(StudyJson, SaysWhatItCantAccept) {
   using inference::EmbeddingConfig;
-  using inference::TrainingConfig;
-  EXPECT_TRUE(says(problem_of<TrainingConfig>(R"({"batch_sise": 3})"),
-                   {"p.h5: unknown key 'batch_sise'", "'batch_size'", "known: learning_rate"}));
-  EXPECT_TRUE(says(problem_of<TrainingConfig>(R"({"batch_size": 3.5})"),
-                   {"p.h5: batch_size = 3.5", "must be an integer, >= 1 and <= 10^9"}));
-  EXPECT_TRUE(
-      says(problem_of<TrainingConfig>(R"({"batch_size": 18446744073709551615})"),
-           {"p.h5: batch_size = 18446744073709551615", "must be an integer, >= 1 and <= 10^9"}));
-  EXPECT_EQ(problem_of<TrainingConfig>(R"({"learning_rate": 0})"),
-            "p.h5: learning_rate = 0, must be > 0 and <= 1");
-  EXPECT_TRUE(says(problem_of<TrainingConfig>(R"({"learning_rate": null})"),
-                   {"p.h5: learning_rate = null", "must be a finite number, > 0 and <= 1"}));
-  EXPECT_TRUE(says(problem_of<EmbeddingConfig>(R"({"channels": [1]})"),
-                   {"p.h5: channels = [1]", "must be a list of texts"}));
-  EXPECT_TRUE(says(problem_of<EmbeddingConfig>(R"({"kind": "line"})"),
-                   {"p.h5: kind = \"line\"",
-                    "must be one of convolution, linear, all_steps, delta_steps, last_step, "
-                    "bayessim, identity"}));
+  const std::string size = "must be an integer, >= 1 and <= 10^9";
+  const std::vector<std::pair<std::string, std::string>> trainings = {
+      {R"({"batch_sise": 3})", "unknown key 'batch_sise'"},
+      {R"({"batch_size": 3.5})", "batch_size = 3.5, " + size},
+      {R"({"batch_size": 18446744073709551615})", "batch_size = 18446744073709551615, " + size},
+      {R"({"learning_rate": 0})", "learning_rate = 0, must be > 0 and <= 1"},
+      {R"({"learning_rate": null})",
+       "learning_rate = null, must be a finite number, > 0 and <= 1"}};
+  for (const auto& [json, said] : trainings) {
+    EXPECT_TRUE(says(problem_of<inference::TrainingConfig>(json), {"p.h5: " + said}));
+  }
+  const std::vector<std::pair<std::string, std::string>> embeddings = {
+      {R"({"channels": [1]})", "channels = [1], must be a list of texts"},
+      {R"({"kind": "line"})", "kind = \"line\", must be one of convolution, linear, all_steps"},
+      {"[]", "must be a JSON object"},
+      {"{", "'{' isn't JSON"}};
+  for (const auto& [json, said] : embeddings) {
+    EXPECT_TRUE(says(problem_of<EmbeddingConfig>(json), {"p.h5: " + said}));
+  }
   EXPECT_EQ(problem_of<sim::SimulatorConfig>(R"({"parameters": {"a": {"b": 1}, "c": 2}})"),
             "p.h5: parameters.a = {\"b\":1}, must be a finite number");
-  EXPECT_EQ(problem_of<EmbeddingConfig>("[]"), "p.h5: must be a JSON object");
-  EXPECT_EQ(problem_of<EmbeddingConfig>("{"), "p.h5: '{' isn't JSON");
 }
 
 TEST(StudyJson, SaysWhenAPriorIsntOne) {
@@ -162,6 +98,80 @@ TEST(StudyJson, SaysWhenAPriorIsntOne) {
                      {"p.h5: prior = " + parse_json(text, "").dump(),
                       R"(must be a list of {"name", "unit", "uniform": [low, high]})"}));
   }
+}
+
+using Json = nlohmann::ordered_json;
+
+TEST(StudyKeys, SayTypeDefaultAndWhatIsAllowed) {
+  std::map<std::string, StudyKey> keys;
+  for (const StudyKey& key : study_keys()) {
+    EXPECT_FALSE(key.doc.empty()) << key.path;
+    EXPECT_FALSE(key.type.empty()) << key.path;
+    EXPECT_TRUE(keys.emplace(key.path, key).second) << key.path << " occurs twice";
+  }
+  EXPECT_EQ(keys.at("study.name").default_value, "required");
+  EXPECT_EQ(keys.at("target.recording").default_value, "");
+  const StudyKey& rate = keys.at("method.training.learning_rate");
+  EXPECT_EQ(rate.type, "a finite number");
+  EXPECT_EQ(rate.default_value, "0.001");
+  EXPECT_EQ(rate.allowed, "> 0 and <= 1");
+  EXPECT_EQ(rate.doc, "step size of Adam");
+}
+
+TEST(StudyKeys, OfATableThatThereIsntAreAnError) {
+  EXPECT_EQ(message_of<InputError>([] { keys_markdown("method.trainning"); }).substr(0, 66),
+            "unknown table 'method.trainning' (did you mean 'method.training'?)");
+}
+
+TEST(StudyKeys, AreThoseOfTheDocument) {
+  const std::string hint = "docs/study-files.md: run scripts/docs";
+  const std::string text =
+      text_of(std::filesystem::path(NPDR_SOURCE_DIR) / "docs" / "study-files.md");
+  for (const auto& [table, found] : document_tables(text, "keys")) {
+    EXPECT_EQ(found, keys_markdown(table)) << hint;
+  }
+  for (const StudyKey& key : study_keys()) {
+    if (key.path == "prior") continue;  // has words of its own
+    // Tables that are alike, such as the stages of [cluster], are there once.
+    std::istringstream rows(keys_markdown(key.path.substr(0, key.path.rfind('.'))));
+    for (std::string row; std::getline(rows, row);) {
+      EXPECT_TRUE(has(text, row + "\n"))
+          << key.path << " has no row: add \"<!-- keys: TABLE -->\" to " << hint;
+    }
+  }
+}
+
+TEST(StudyTemplate, IsAValidStudyThatExplainsEveryKey) {
+  const std::string text = study_template("my_study");
+  EXPECT_EQ(problems_of(text), "");
+  EXPECT_EQ(parse_study(text, "s.toml").name, "my_study");
+  for (const StudyKey& key : study_keys()) {
+    const std::string name = key.path.substr(key.path.rfind('.') + 1);
+    const bool explained = text.find("\n" + name + " = ") != std::string::npos ||
+                           text.find("# " + name + " = ") != std::string::npos ||
+                           text.find("#   " + name + " = ") != std::string::npos ||
+                           text.find("\n[" + name + "]") != std::string::npos;
+    EXPECT_TRUE(explained) << key.path;
+  }
+}
+
+// "# key = value" becomes "key = value".
+std::string with_defaults_spelled_out(const std::string& text) {
+  std::string result;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const bool is_default = line.starts_with("# ") && line.find(" = ") != std::string::npos &&
+                            line.find(" = ") == line.find(' ', 2);
+    result += (is_default ? line.substr(2) : line) + "\n";
+  }
+  return result;
+}
+
+TEST(StudyTemplate, ShowsTheTrueDefaults) {
+  const std::string text = study_template("a");
+  const std::string spelled_out = with_defaults_spelled_out(text);
+  EXPECT_NE(spelled_out, text);
+  EXPECT_EQ(to_json(parse_study(spelled_out, "s.toml")), to_json(parse_study(text, "s.toml")));
 }
 
 }  // namespace

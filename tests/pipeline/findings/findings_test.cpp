@@ -1,6 +1,8 @@
+// Verdicts on posteriors; other words of theirs are in tests/golden/report.txt.
 #include "pipeline/findings/findings.h"
 
 #include "core/constants.h"
+#include "core/random.h"
 #include "pipeline/report/registry.h"
 #include "tests/message_of.h"
 #include "tests/pipeline/findings/findings_fixture.h"
@@ -13,26 +15,20 @@ TEST_F(Verdicts, DensityThatHasLeakedIsHeldBackByTheCombinedLoss) {
   theta.col(0).head(20).setConstant(1.7);  // 5 %
   theta.col(0).tail(20).setConstant(0.3);
   add_run(theta, 0.02);
-  inference::AlgorithmConfig& algorithm = plan_.study.methods.front().algorithm;
-  algorithm.kind = inference::Algorithm::npe_c;
-  algorithm.num_rounds = 2;
-  const Finding found = finding_of(Check::bounds);
-  EXPECT_EQ(found.severity, Severity::wrong);
-  EXPECT_TRUE(found.what.ends_with("leaked there: try combined_loss = true")) << found.what;
-  EXPECT_TRUE(has(found.what, "pole_mass at 0.3 kg, pole_mass at 1.7 kg;"));
+  MethodConfig& method = plan_.study.methods.front();
+  method.algorithm.kind = inference::Algorithm::npe_c;
+  method.algorithm.num_rounds = 2;
+  const auto words = [&] { return finding_of(Check::bounds).what; };
+  EXPECT_EQ(finding_of(Check::bounds).severity, Severity::wrong);
+  EXPECT_TRUE(words().ends_with("leaked there: try combined_loss = true")) << words();
+  EXPECT_TRUE(has(words(), "pole_mass at 0.3 kg, pole_mass at 1.7 kg;"));
   plan_.study.prior.front().unit = "1";
-  EXPECT_TRUE(has(finding_of(Check::bounds).what, "pole_mass at 0.3, pole_mass at 1.7;"));
-  const auto names_remedy = [&] {
-    return finding_of(Check::bounds).what.find("combined_loss") != std::string::npos;
-  };
-  algorithm.combined_loss = true;
-  EXPECT_FALSE(names_remedy());
-  algorithm.combined_loss = false;
-  algorithm.num_rounds = 1;
-  EXPECT_FALSE(names_remedy()) << "maximum likelihood";
-  algorithm.num_rounds = 2;
-  plan_.study.methods.front().density_estimator.kind = inference::EstimatorKind::mdn;
-  EXPECT_FALSE(names_remedy()) << "the analytic loss";
+  EXPECT_TRUE(has(words(), "pole_mass at 0.3, pole_mass at 1.7;"));
+  method.algorithm.num_rounds = 1;
+  EXPECT_FALSE(has(words(), "combined_loss")) << "maximum likelihood";
+  method.algorithm.num_rounds = 2;
+  method.density_estimator.kind = inference::EstimatorKind::mdn;
+  EXPECT_FALSE(has(words(), "combined_loss")) << "the analytic loss";
 }
 
 // A correlation of 400 samples that don't depend on each other has a standard error of 0.05.
@@ -62,13 +58,9 @@ TEST_F(Verdicts, ParametersWhoseSamplesAllLieOnABoundArentKnown) {
   EXPECT_LE(finding_of(Check::bounds).severity, Severity::note);
 }
 
-TEST_F(Verdicts, APosteriorThatIsThePriorSaysNothing) {
-  const inference::Prior prior(plan_.study.prior);
-  add_run(sample_prior(prior, 400, 1), 0.02);
-  EXPECT_EQ(finding_of(Check::contraction).evidence, "it IS the prior");
-  EXPECT_LE(finding_of(Check::bounds).severity, Severity::note);
-  // A posterior that contracts by a quarter is told from it (false alarms: 1e-3; fixed seed).
-  RowMatrix narrower = sample_prior(prior, 400, 1);
+// A posterior that contracts by a quarter is told from the prior (false alarms: 1e-3; fixed seed).
+TEST_F(Verdicts, APosteriorThatContractsByAQuarterIsntThePrior) {
+  RowMatrix narrower = sample_prior(inference::Prior(plan_.study.prior), 400, 1);
   narrower.col(0) = 1.0 + std::sqrt(0.75) * (narrower.col(0).array() - 1.0);
   add_run(narrower, 0.02);
   EXPECT_LE(finding_of(Check::contraction).severity, Severity::note);
@@ -105,6 +97,102 @@ TEST_F(Verdicts, TheTableHasThemAll) {
   EXPECT_EQ(table.footnotes.size(), 1u);
   EXPECT_EQ(table.rows[1].label, "x_o among simulations");
   EXPECT_EQ(table.rows[1].cells.front().notes, table.footnotes);
+}
+
+// A noise that is inferred takes up what the simulator lacks, and every check passes.
+TEST_F(Verdicts, AFloorFarAboveTheScatterOfARecordingIsSaid) {
+  plan_.study.target.recording = "recording.h5";
+  Stream stream({5, "verdicts_test", 0, 0, 0});
+  auto& states = data_.target.rollouts.front().states;
+  for (double& value : states.reshaped()) value += 0.004 * stream.normal();
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.02}}}};
+  EXPECT_EQ(finding_of(Check::fit).what, "");
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.04}}}};
+  EXPECT_LE(finding_of(Check::fit).severity, Severity::note);
+  EXPECT_TRUE(says(finding_of(Check::fit).what,
+                   {"no parameters explain the recording better than the floor's 0.04", "10 times",
+                    "what neighboring samples scatter by", "the simulator lacks something"}));
+  plan_.study.observation_noise.correlation_prior = {0.5, 1.0};
+  EXPECT_EQ(finding_of(Check::fit).what, "") << "it may be noise";
+}
+
+// Samples of the exact posterior of a linear model with white noise of N = 2 D + 10 values: the
+// rate that the documents tell is below 1e-6; 2000 trials of a fixed seed.
+TEST_F(Verdicts, TheErrorOfAnExactPosteriorIsNeverFarAboveTheFloor) {
+  constexpr Index dimension = 2, values = 14, num_samples = 200;
+  for (std::uint64_t trial = 0; trial < 2000; ++trial) {
+    Stream stream({1, "fit_check", 0, trial, 0});
+    const auto chi_square = [&](Index degrees) {
+      double sum = 0.0;
+      for (Index i = 0; i < degrees; ++i) sum += std::pow(stream.normal(), 2);
+      return sum;
+    };
+    const double residual = chi_square(values - dimension);
+    Vector rmse(num_samples);
+    const auto of = [](double sum) { return 0.1 * std::sqrt(sum / values); };
+    for (double& value : rmse) value = of(residual + chi_square(dimension));
+    data_.baseline.prior->metrics["rmse"].setZero();
+    data_.baseline.points = {{"floor", Vector(), {{"rmse", of(residual)}}}};
+    data_.runs.front().evaluation.metrics["rmse"] = rmse;
+    ASSERT_LE(finding_of(Check::fit).severity, Severity::note) << trial;
+  }
+}
+
+class Contradictions : public Verdicts {
+ protected:
+  EvaluatedRun& add_run_of(const std::string& method, double mean) {
+    data_.runs.push_back(data_.runs.front());
+    data_.runs.back().use.method = method;
+    data_.runs.back().evaluation.theta = samples_around(mean, 0.02);
+    return data_.runs.back();
+  }
+  RowMatrix& add_method(const std::string& name, double mean) {
+    data_.methods.push_back(name);
+    return add_run_of(name, mean).evaluation.theta;
+  }
+  void iterate() {
+    plan_.study.policy.search.kind = inference::PolicyOptimizerKind::power;
+    for (MethodConfig& method : plan_.study.methods) method.num_iterations = 2;
+  }
+  std::string reason() const { return finding_of(Check::contraction).what; }
+};
+
+TEST_F(Contradictions, OfSeedsAreNoneWhereEachHasAnObservationOfItsOwn) {
+  data_.seeds = {1, 2};
+  add_run_of(kMethod, 1.1).use.seed = 2;  // five deviations off
+  EXPECT_NE(reason(), "");
+  iterate();
+  EXPECT_EQ(reason(), "");
+}
+
+TEST_F(Contradictions, OfEachMethodAreSaidByItsFarthestParameter) {
+  plan_.study.methods.push_back(plan_.study.methods.front());
+  plan_.study.methods.back().name = "Third";
+  add_method("NPDR (MoG)", 1.1);
+  add_method("Third", 1.1).col(1) = samples_around(1.2, 0.02).col(1);
+  EXPECT_TRUE(says(
+      reason(), {"contradicts NPDR (MoG) about pole_mass (3.5), Third about pole_length (7.1)"}));
+}
+
+// Seeds that lie apart widen what they say together, but not what any of them is sure of.
+TEST_F(Contradictions, OfMethodsAreSaidWhereSeedsContradictEachOther) {
+  data_.seeds = {1, 2};
+  add_method("NPDR (MoG)", 1.07);
+  add_run_of("NPDR (MoG)", 1.15).use.seed = 2;
+  EXPECT_TRUE(says(reason(), {"contradicts NPDR (MoG) about pole_mass (3.9)"}));
+}
+
+TEST_F(Contradictions, ArentThoseOfWhatIsKnownOfSamplesWithoutWidthOrOfLoops) {
+  RowMatrix& other = add_method("NPDR (MoG)", 1.1);
+  other.col(0).setConstant(0.5);
+  EXPECT_EQ(reason(), "") << "taken as known";
+  // Samples of a network that extrapolates may all lie on a bound.
+  other = samples_around(1.0, 0.02);
+  other.col(0).setConstant(0.3);
+  EXPECT_EQ(reason(), "");
+  other = samples_around(1.1, 0.02);
+  iterate();
+  EXPECT_EQ(reason(), "");
 }
 
 }  // namespace

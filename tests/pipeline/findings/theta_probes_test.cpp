@@ -1,10 +1,8 @@
-#include "pipeline/findings/dataset_probes.h"
-
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
+#include "pipeline/findings/dataset_probes.h"
 #include "pipeline/sources/marginal_fit.h"
 #include "tests/message_of.h"
 
@@ -93,6 +91,14 @@ TEST(ThetaFaults, GridsHaveNoneInWhatTheyLookDrawnFrom) {
   }
 }
 
+// Faults of 1000 draws whose `a` another rule gives, by row.
+std::string faults_with(const std::function<double(Index)>& a,
+                        const std::vector<Marginal>& prior = kPrior) {
+  RowMatrix theta = draws(kPrior, 1000);
+  for (Index i = 0; i < theta.rows(); ++i) theta(i, 0) = a(i);
+  return faults(theta, prior);
+}
+
 TEST(ThetaFaults, AreOtherDistributions) {
   std::vector<Marginal> wider = kPrior;
   wider[1].b = 2.0;
@@ -102,27 +108,19 @@ TEST(ThetaFaults, AreOtherDistributions) {
                     "posteriors are those of the distribution that it was drawn from"}));
   // Draws that several simulations share count once.
   EXPECT_EQ(faults(draws(kPrior, 60), wider), faults(repeated(draws(kPrior, 60), 5), wider));
-  // Half of the prior isn't there.
-  RowMatrix half = draws(kPrior, 1000);
-  half.col(0) = (half.col(0).array() * 0.5).round();
-  EXPECT_TRUE(says(faults(half), {"grave: 0.1 of a in the dataset are 0, an end of its prior",
-                                  "a of the dataset isn't distributed"}));
-  half.col(0).array() += 0.25;
-  EXPECT_TRUE(says(faults(half), {"grave: a of the dataset isn't distributed"}));
-}
-
-// A third of the rows has a default, which the others, by themselves, don't hide.
-TEST(ThetaFaults, AreDefaults) {
-  RowMatrix theta = draws(kPrior, 1000);
-  for (Index i = 0; i < theta.rows(); i += 3) theta(i, 0) = std::sqrt(30.0);
-  EXPECT_TRUE(says(faults(theta), {"grave: a of the dataset isn't distributed"}));
-}
-
-TEST(ThetaFaults, AtTheEndsDontHideOthers) {
-  RowMatrix theta = draws(kPrior, 1000);
-  for (Index i = 0; i < theta.rows(); ++i) theta(i, 0) = 0.1 * static_cast<double>(i % 41);
-  EXPECT_TRUE(says(faults(theta), {"grave: 0.025 of a in the dataset are 0, an end of its prior",
-                                   "a of the dataset isn't distributed"}));
+  const Vector drawn = draws(kPrior, 1000).col(0);
+  const std::string distribution = "a of the dataset isn't distributed";
+  const auto half = [&](Index i) { return std::round(0.5 * drawn(i)); };
+  EXPECT_TRUE(says(faults_with(half),
+                   {"grave: 0.1 of a in the dataset are 0, an end of its prior", distribution}));
+  EXPECT_TRUE(
+      says(faults_with([&](Index i) { return half(i) + 0.25; }), {"grave: " + distribution}));
+  // A third of the rows has a default, which the others, by themselves, don't hide.
+  EXPECT_TRUE(says(faults_with([&](Index i) { return i % 3 == 0 ? std::sqrt(30.0) : drawn(i); }),
+                   {"grave: " + distribution}));
+  // Values at the ends don't hide others.
+  EXPECT_TRUE(says(faults_with([](Index i) { return 0.1 * static_cast<double>(i % 41); }),
+                   {"grave: 0.025 of a in the dataset are 0, an end of its prior", distribution}));
 }
 
 TEST(ThetaFaults, AreValuesAtAnEnd) {
@@ -132,30 +130,21 @@ TEST(ThetaFaults, AreValuesAtAnEnd) {
             "grave: 0.091 of a in the dataset are 0, an end of its prior, [0, 10], where a "
             "posterior's density is cut: values on a grid stand for those around them, which "
             "prior.a = { uniform = [-0.5, 10.5] } holds");
-  // Whatever the steps are.
-  for (Index i = 0; i < theta.rows(); ++i)
-    theta(i, 0) = std::vector{0.0, 1.0, 2.0, 5.0, 10.0}[i % 5];
-  EXPECT_TRUE(says(faults(theta),
+  const std::vector<double> steps = {0.0, 1.0, 2.0, 5.0, 10.0};  // whatever they are
+  EXPECT_TRUE(says(faults_with([&](Index i) { return steps[static_cast<std::size_t>(i % 5)]; }),
                    {"grave: 0.2 of a in the dataset are 0, an end of its prior", "prior.a = { "}));
-  RowMatrix clipped = draws(kPrior, 1000);
-  clipped.col(0) = (clipped.col(0).array() * 1.03).min(10.0);
-  EXPECT_TRUE(
-      says(faults(clipped), {"0.034 of a in the dataset are 10, an end of its prior, [0, 10]",
-                             "draw it from the prior, or leave these rows out"}));
-}
-
-// Whatever the bounds are, which may have been taken from them.
-TEST(ThetaFaults, AreValuesThatWereClipped) {
+  const Vector drawn = draws(kPrior, 1000).col(0);
+  const std::string remedy = "draw it from the prior, or leave these rows out";
+  EXPECT_TRUE(says(faults_with([&](Index i) { return std::min(1.03 * drawn(i), 10.0); }),
+                   {"0.034 of a in the dataset are 10, an end of its prior, [0, 10]", remedy}));
+  // Whatever the bounds are, which may have been taken from them, also where all are rounded.
   std::vector<Marginal> wider = kPrior;
   wider[0].a = -0.01;
-  RowMatrix clipped = draws(kPrior, 1000);
-  clipped.col(0) = (clipped.col(0).array() - 0.5).max(0.0);
-  EXPECT_TRUE(
-      says(faults(clipped, wider), {"0.05 of a in the dataset are 0, an end of it, as if clipped",
-                                    "draw it from the prior, or leave these rows out"}));
-  // Also where all are rounded.
-  clipped.col(0) = (1e4 * clipped.col(0).array()).round() / 1e4;
-  EXPECT_TRUE(has(faults(clipped, wider), "as if clipped"));
+  const auto clipped = [&](Index i) { return std::max(drawn(i) - 0.5, 0.0); };
+  EXPECT_TRUE(says(faults_with(clipped, wider),
+                   {"0.05 of a in the dataset are 0, an end of it, as if clipped", remedy}));
+  EXPECT_TRUE(has(faults_with([&](Index i) { return std::round(1e4 * clipped(i)) / 1e4; }, wider),
+                  "as if clipped"));
 }
 
 // Levels of a design that isn't even: their distribution isn't any prior's.
@@ -171,14 +160,11 @@ TEST(ThetaFaults, AreUnevenDesigns) {
 }
 
 TEST(ThetaFaults, AreValuesThatTeachNothing) {
-  RowMatrix theta = draws(kPrior, 1000);
-  theta.col(0).setConstant(3.5);
-  EXPECT_EQ(faults(theta),
+  EXPECT_EQ(faults_with([](Index) { return 3.5; }),
             "grave: a of the dataset is 3.5 in all rows: networks learn that value, whatever x is; "
             "leave it out of [prior]");
-  for (Index i = 0; i < theta.rows(); ++i) theta(i, 0) = i % 2 == 0 ? 2.5 : 7.5;
   EXPECT_EQ(
-      faults(theta),
+      faults_with([](Index i) { return i % 2 == 0 ? 2.5 : 7.5; }),
       "0.5 of a in the dataset are 2.5: its posterior may peak at values that many rows have, "
       "and is made up between them; spread them over the steps that they stand for");
 }

@@ -1,7 +1,7 @@
 // What is said of recordings and datasets that are imported: tests/golden/import.txt.
 #include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
+
 #include <cmath>
 #include <map>
 

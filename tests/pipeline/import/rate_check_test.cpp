@@ -1,11 +1,46 @@
-#include "pipeline/import/rate_check.h"
-
 #include <gtest/gtest.h>
 
+#include "pipeline/import/rate_check.h"
+#include "pipeline/import/rate_pairs.h"
 #include "tests/pipeline/import/encoder_motion.h"
 
 namespace npdr::pipeline {
 namespace {
+
+TEST(RatePairs, HaveTheSameNameAndAUnitPerSecond) {
+  EXPECT_EQ(rate_pairs({{"theta", "rad"}, {"theta_dot", "rad/s"}, {"x_dot", "m/s"}, {"x", "m"}}),
+            (std::vector<RatePair>{{0, 1}, {3, 2}}));
+  EXPECT_TRUE(rate_pairs({{"theta", "deg"}, {"theta_dot", "rad/s"}}).empty());
+  EXPECT_TRUE(rate_pairs({{"theta", "rad"}, {"thetadot", "rad/s"}}).empty());
+  EXPECT_EQ(rate_pairs({{"x", "m"}, {"x_dot", "m/s"}, {"x_dot_dot", "m/s^2"}}),
+            (std::vector<RatePair>{{0, 1}, {1, 2}}));
+  EXPECT_EQ(rate_unit("1"), "1/s");
+  EXPECT_TRUE(is_rate_of({"theta_dot", ""}, {"theta", "rad"})) << "an unknown unit may be any";
+  EXPECT_TRUE(is_rate_of({"theta_dot", "rad/s"}, {"theta", ""}));
+  EXPECT_FALSE(is_rate_of({"theta_dot", "deg/s"}, {"theta", "rad"}));
+}
+
+TEST(RatePairs, MayBeNamedOtherwise) {
+  using Pairs = std::vector<RatePair>;
+  EXPECT_EQ(likely_rate_pairs({{"swing speed", "rad/s"}, {"swing", "rad"}}), (Pairs{{1, 0}}));
+  EXPECT_EQ(likely_rate_pairs({{"q", "rad"}, {"q1", "rad"}, {"qd", "rad/s"}, {"q1d", "rad/s"}}),
+            (Pairs{{0, 2}, {1, 3}}));
+  EXPECT_TRUE(likely_rate_pairs({{"swing", "deg"}, {"swing speed", "rad/s"}}).empty());
+  EXPECT_TRUE(likely_rate_pairs({{"swing", ""}, {"swing speed", ""}}).empty());
+  EXPECT_EQ(likely_rate_pairs({{"v", "m/s"}, {"q", "m"}, {"load", "N"}}), (Pairs{{1, 0}}));
+  EXPECT_TRUE(likely_rate_pairs({{"angle", "rad"}, {"arm", "rad"}, {"speed", "rad/s"}}).empty());
+  const std::vector<Channel> with_wanted = {
+      {"q", "rad"}, {"q1", "rad"}, {"q1_dot", "rad/s"}, {"q1_wanted", "rad/s"}};
+  EXPECT_TRUE(likely_rate_pairs(with_wanted).empty()) << "q1 has its rate";
+}
+
+TEST(RatePairs, TellPositions) {
+  EXPECT_EQ(
+      positions_of({{"x", "m"}, {"x_dot", "m/s"}, {"q", "rad"}, {"v", "rad/s"}, {"load", "N"}}),
+      (std::vector<Index>{0, 2}))
+      << "a load may leap";
+  EXPECT_EQ(positions_of({{"q", ""}, {"q_dot", ""}}), std::vector<Index>{0});
+}
 
 std::optional<RateFit> fit(const Motion& motion) {
   return fit_rate(motion.position, motion.rate, motion.dt);
@@ -17,13 +52,6 @@ TEST(RateCheck, ExactRatesHaveTheRatioOne) {
   EXPECT_NEAR(found->ratio, 1.0, 1e-3);
   EXPECT_LT(found->scatter, 1e-3);
   EXPECT_EQ(verdict_of(*found), RateVerdict::agrees);
-}
-
-TEST(RateCheck, OfWhatStandsStillNothingIsKnown) {
-  Motion still = smooth_motion(1000, 0.004, 1);
-  still.position.setConstant(0.7);
-  still.rate.setConstant(0.1);
-  EXPECT_FALSE(fit(still)) << "the slope of a constant is rounding";
 }
 
 // None of 500 right recordings is blamed: were one of 100 blamed, this would pass once in 150
@@ -135,7 +163,7 @@ TEST(RateCheck, AnImpactAfterRestIsNone) {
   }
 }
 
-TEST(RateCheck, NothingIsSaidWithoutMotion) {
+TEST(RateCheck, NothingIsSaidWithoutMotionOrOfFewSamples) {
   const Vector rest = Vector::Zero(1000);
   EXPECT_FALSE(fit({rest, rest, 0.004}));
   EXPECT_FALSE(fit({rest, with_noise(rest, 0.3, 1), 0.004}));
@@ -143,13 +171,10 @@ TEST(RateCheck, NothingIsSaidWithoutMotion) {
   EXPECT_FALSE(fit({with_noise(rest, 2e-3, 1), with_noise(rest, 0.3, 2), 0.004}));
   EXPECT_FALSE(fit({rounded(with_noise(rest, 1e-3, 1), 3e-3), rest, 0.004}))
       << "a count to and fro";
-}
-
-TEST(RateCheck, NothingIsSaidOfFewSamples) {
+  EXPECT_FALSE(fit({rest.array() + 0.7, rest.array() + 0.1, 0.004}))
+      << "the slope of a constant is rounding";
   EXPECT_FALSE(fit(smooth_motion(kFewestSamples - 1, 0.02, 1)));
-  const std::optional<RateFit> found = fit(smooth_motion(60, 0.02, 1));
-  ASSERT_TRUE(found);
-  EXPECT_EQ(verdict_of(*found), RateVerdict::agrees);
+  EXPECT_EQ(verdict_of(fit(smooth_motion(60, 0.02, 1)).value()), RateVerdict::agrees);
 }
 
 }  // namespace

@@ -1,10 +1,16 @@
-#include "pipeline/import/rate_report.h"
-
 #include <fmt/format.h>
 
+#include <cmath>
+#include <functional>
+#include <numbers>
+
 #include "core/text.h"
+#include "pipeline/import/rate_report.h"
+#include "pipeline/import/recording_warnings.h"
+#include "sim/savitzky_golay.h"
 #include "tests/message_of.h"
 #include "tests/pipeline/import/encoder_motion.h"
+#include "tests/words_of.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -28,7 +34,7 @@ Target right_target(double dt = 0.004) {
       states.col(c) = motion.position;
       states.col(c + 2) = motion.rate;
     }
-    target.rollouts.push_back({kFiles[h].substr(0, 1), states, RowMatrix(999, 0)});
+    target.rollouts.push_back({kFiles[h], states, RowMatrix(999, 0)});
   }
   return target;
 }
@@ -37,7 +43,7 @@ Target right_target(double dt = 0.004) {
 std::vector<std::string> problems(const Target& target, const std::string& time = "t",
                                   Severity severity = Severity::suspicious) {
   std::vector<std::string> words;
-  for (const Finding& finding : find_in_rates(target, kPairs, kFiles, time)) {
+  for (const Finding& finding : find_in_rates(target, kPairs, time)) {
     if (finding.severity == severity) words.push_back(finding.what);
   }
   return words;
@@ -47,25 +53,22 @@ std::vector<std::string> notes(const Target& target) {
   return problems(target, "t", Severity::note);
 }
 
-Target with_factor(Index column, double factor) {
-  Target target = right_target();
-  for (Rollout& rollout : target.rollouts) rollout.states.col(column) *= factor;
+// What `change` makes of both rollouts' states.
+Target with(const std::function<void(RowMatrix&)>& change, double dt = 0.004) {
+  Target target = right_target(dt);
+  for (Rollout& rollout : target.rollouts) change(rollout.states);
   return target;
 }
 
-// The only problem.
-std::string problem(const Target& target, const std::string& time = "t") {
-  const std::vector<std::string> all = problems(target, time);
-  EXPECT_EQ(all.size(), 1u) << join(all, "\n");
-  return all.empty() ? "" : all.front();
+Target with_factor(Index column, double factor) {
+  return with([&](RowMatrix& states) { states.col(column) *= factor; });
 }
 
 TEST(RateReport, SaysWhatWasChecked) {
   EXPECT_EQ(join(problems(right_target()), "\n"), "");
   ASSERT_EQ(notes(right_target()).size(), 2u);
   EXPECT_TRUE(says(notes(right_target())[0], {"checked: theta_dot is the slope of theta"}));
-  Target still = right_target();
-  for (Rollout& rollout : still.rollouts) rollout.states.setZero();
+  const Target still = with([](RowMatrix& states) { states.setZero(); });
   EXPECT_TRUE(says(notes(still)[1], {"not checked: whether alpha_dot is the slope of alpha"}));
   Target partly = right_target();
   partly.rollouts[1].states.setZero();
@@ -73,117 +76,149 @@ TEST(RateReport, SaysWhatWasChecked) {
       says(notes(partly)[0], {"checked: theta_dot is the slope of theta", "; not in 1 of"}));
 }
 
-TEST(RateReport, NamesTheColumnInDegrees) {
-  EXPECT_TRUE(says(problem(with_factor(0, 180.0 / M_PI)),
-                   {"theta changes", "times as fast as theta_dot says",
-                    "theta is probably in "
-                    "degrees",
-                    "[rad]", "--scale theta=0.0174533"}));
-  EXPECT_TRUE(says(problem(with_factor(3, 180.0 / M_PI)),
-                   {"alpha changes", "times as fast as alpha_dot says",
-                    "alpha_dot is probably in degrees", "[rad/s]", "--scale alpha_dot=0.0174533"}));
-  Target target = with_factor(0, 1.0);
-  target.state_channels[0].unit = "deg";
-  target.state_channels[2].unit = "deg/s";
-  for (Rollout& rollout : target.rollouts) rollout.states.col(2) *= 180.0 / M_PI;
-  EXPECT_TRUE(says(problem(target), {"theta changes", "theta is probably in radians", "[deg]",
-                                     "--scale theta=57.2958"}));
-}
-
-TEST(RateReport, NamesRatesInRpm) {
-  Target target = with_factor(2, 30.0 / M_PI);
-  for (Rollout& rollout : target.rollouts) rollout.states.col(3) *= 30.0 / M_PI;
-  const std::vector<std::string> all = problems(target);
-  ASSERT_EQ(all.size(), 2u) << join(all, "\n");
-  EXPECT_TRUE(says(all[1], {"alpha changes 0.105 times as fast", "alpha_dot is probably in rpm",
-                            "[rad/s]", "--scale alpha_dot=0.10472"}));
-  for (Rollout& rollout : target.rollouts) rollout.states.rightCols(2) *= M_PI / 30.0 * 10.0;
-  EXPECT_TRUE(says(problem(target), {"theta changes", "dt is probably 0.004 * 0.1"}));
-}
-
-TEST(RateReport, GivesPowersOfTenForFactorsThatAreNearly) {
-  EXPECT_TRUE(
-      says(problem(with_factor(0, 995.0)),
-           {"theta changes 991 times as fast", "--scale theta=0.001 or --scale theta_dot=1000"}));
-  EXPECT_TRUE(says(problem(with_factor(0, 9.85)), {"theta changes", "--scale theta_dot=9.81"}))
-      << "in units of gravity";
-}
-
-// Ratios themselves are those of rate_check_test.cpp.
-TEST(RateReport, ARatioOfAllPairsIsThatOfTime) {
-  const Target target = right_target(0.006);
-  EXPECT_TRUE(says(problem(target), {"theta changes", "alpha changes", "dt is probably 0.006 * ",
-                                     "correct column 't', or add --scale t="}));
-  EXPECT_TRUE(says(problem(target, ""), {"theta changes", "dt is probably 0.006 *", "give --dt "}));
-}
-
-TEST(RateReport, DegreesEverywhereAreNoWrongTime) {
-  Target target = with_factor(0, 180.0 / M_PI);
-  for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 180.0 / M_PI;
-  EXPECT_EQ(problems(target).size(), 2u);
-}
-
-TEST(RateReport, OtherFactorsAndSignsAreNamed) {
-  EXPECT_TRUE(says(problem(with_factor(0, 2.0)),
-                   {"theta changes", "another unit", "--scale theta=", "--scale theta_dot="}));
-  EXPECT_TRUE(says(problem(with_factor(3, -1.0)),
-                   {"alpha falls where alpha_dot says that it rises", "--scale alpha_dot=-1"}));
-}
-
-TEST(RateReport, NamesColumnsThatAreSwapped) {
-  Target target = right_target();
-  for (Rollout& rollout : target.rollouts) rollout.states.col(2).swap(rollout.states.col(3));
-  const std::vector<std::string> both = problems(target);
-  ASSERT_EQ(both.size(), 2u);
-  EXPECT_TRUE(says(both[0], {"theta_dot isn't the slope of theta, but alpha_dot is", "swapped"}));
-  EXPECT_TRUE(says(both[1], {"alpha_dot isn't the slope of alpha, but theta_dot is", "swapped"}));
-}
-
-// Of a swing the slope of the rate, too, is nearly a multiple of the angle, and no unit's.
-TEST(RateReport, NamesAPositionAndARateThatAreSwapped) {
-  Target target = right_target();
-  for (Rollout& rollout : target.rollouts) rollout.states.col(0).swap(rollout.states.col(2));
-  EXPECT_EQ(problem(target),
-            "theta is the slope of theta_dot: the two columns are swapped; correct the header");
-}
-
-TEST(RateReport, NamesTheFilesThatAreUnlikeTheOthers) {
-  Target target = right_target();
-  target.rollouts[1].states.col(0) *= 180.0 / M_PI;
-  EXPECT_TRUE(says(problem(target), {"b.csv: theta changes", "unlike in other files"}));
-  target = right_target();
-  for (Rollout& rollout : target.rollouts) rollout.states.col(2) = rollout.states.col(3);
-  const std::vector<std::string> both = problems(target);
-  ASSERT_EQ(both.size(), 2u);
-  EXPECT_TRUE(says(both[0], {"a.csv: theta_dot isn't the slope of theta", "--differentiate"}));
-}
-
-TEST(RateReport, NamesRatesOfWrappedAngles) {
-  Target target = right_target();
+// Ratios themselves are those of rate_check_test.cpp, and words those of tests/golden/import.txt.
+TEST(RateReport, NamesTheColumnAndItsFactor) {
+  constexpr double degrees = 180.0 / M_PI, rpm = 30.0 / M_PI;
+  const Target right = right_target();
+  Target in_degrees = with_factor(2, degrees), one_file = right, wrapped = right, moved = right;
+  in_degrees.state_channels[0].unit = "deg";
+  in_degrees.state_channels[2].unit = "deg/s";
+  one_file.rollouts[1].states.col(0) *= degrees;
   for (Index t = 200; t < 1000; t += 200) {
-    target.rollouts[1].states(t, 3) = -2.0 * M_PI / target.dt;
+    wrapped.rollouts[1].states(t, 3) = -2.0 * M_PI / right.dt;
   }
-  EXPECT_TRUE(says(problem(target), {"alpha_dot jumps in 4 rows", "an angle that wraps",
-                                     "--unwrap alpha --differentiate"}));
+  RowMatrix& states = moved.rollouts[1].states;
+  states.col(1).tail(600).array() += 3.0;
+  const std::string step = fmt::format("b.csv: alpha moves by {:.3g} in the step after 1.596 s",
+                                       states(400, 1) - states(399, 1));
+  const std::vector<std::pair<Target, std::vector<std::string>>> cases = {
+      {with_factor(3, degrees), {"alpha changes", "--scale alpha_dot=0.0174533"}},
+      {in_degrees, {"theta changes", "theta is probably in radians", "--scale theta=57.2958"}},
+      {with([](RowMatrix& s) { s.rightCols(2) *= 10.0; }),
+       {"theta changes", "dt is probably 0.004 * 0.1"}},
+      {with_factor(0, 995.0),  // nearly a power of ten
+       {"theta changes 991 times as fast", "--scale theta=0.001 or --scale theta_dot=1000"}},
+      {with_factor(0, 9.85), {"theta changes", "--scale theta_dot=9.81"}},  // of gravity
+      {with_factor(0, 2.0), {"theta changes", "--scale theta=", "--scale theta_dot="}},
+      {with_factor(3, -1.0), {"alpha falls where", "--scale alpha_dot=-1"}},
+      {right_target(0.006),  // a ratio of all pairs is that of time
+       {"theta changes", "alpha changes", "dt is probably 0.006 * ", "add --scale t="}},
+      // Of a swing the slope of the rate, too, is nearly a multiple of the angle, and no unit's.
+      {with([](RowMatrix& s) { s.col(0).swap(s.col(2)); }),
+       {"theta is the slope of theta_dot: the two columns are swapped; correct the header"}},
+      {one_file, {"b.csv: theta changes", "unlike in other files"}},
+      {wrapped, {"alpha_dot jumps in 4 rows", "--unwrap alpha --differentiate"}},
+      {with([](RowMatrix& s) {
+         for (double& angle : s.col(1)) angle = std::remainder(8.0 * angle, 2.0 * M_PI);
+       }),
+       {"alpha changes", "times as fast as alpha_dot says"}},  // wraps don't hide a factor
+      {moved, {step, "samples are missing"}}};
+  for (const auto& [target, said] : cases) {
+    const std::vector<std::string> all = problems(target);
+    ASSERT_EQ(all.size(), 1u) << said.front() << ": " << join(all, "\n");
+    EXPECT_TRUE(says(all.front(), said));
+  }
+  EXPECT_TRUE(has(problems(right_target(0.006), "").front(), "give --dt "));
+  const std::vector<std::pair<Target, std::vector<std::string>>> pairs = {
+      {with([&](RowMatrix& s) { s.rightCols(2) *= rpm; }),
+       {"alpha changes 0.105 times as fast", "alpha_dot is probably in rpm", "alpha_dot=0.10472"}},
+      {with([&](RowMatrix& s) { s.leftCols(2) *= degrees; }), {"alpha changes"}},  // no wrong time
+      {with([](RowMatrix& s) { s.col(2).swap(s.col(3)); }),
+       {"alpha_dot isn't the slope of alpha, but theta_dot is", "swapped"}}};
+  for (const auto& [target, said] : pairs) {
+    const std::vector<std::string> both = problems(target);
+    ASSERT_EQ(both.size(), 2u) << said.front() << ": " << join(both, "\n");
+    EXPECT_TRUE(says(both.back(), said));
+  }
+  const auto unrelated = problems(with([](RowMatrix& s) { s.col(2) = s.col(3).eval(); }));
+  ASSERT_EQ(unrelated.size(), 2u);
+  EXPECT_TRUE(says(unrelated[0], {"a.csv: theta_dot isn't the slope of theta", "--differentiate"}));
 }
 
-TEST(RateReport, NamesStepsThatTheRateKnowsNothingOf) {
-  Target target = right_target();
-  target.rollouts[1].states.col(1).tail(600).array() += 3.0;
-  const Rollout& rollout = target.rollouts[1];
-  const double step = rollout.states(400, 1) - rollout.states(399, 1);
-  EXPECT_TRUE(says(problem(target), {fmt::format("b.csv: alpha moves by {:.3g} in the step after "
-                                                 "1.596 s, alpha_dot says by ",
-                                                 step),
-                                     "samples are missing"}));
+// An angle that turns and swings, and its rate.
+Target turning() {
+  Target target{0.01, {{"alpha", "rad"}, {"alpha_dot", "rad/s"}}, {}, {}, "test"};
+  for (const double phase : {0.0, 1.0}) {
+    RowMatrix states(500, 2);
+    for (Index t = 0; t < states.rows(); ++t) {
+      const double time = 0.01 * static_cast<double>(t);
+      states.row(t) << 2.0 * time + 0.5 * std::sin(3.0 * time + phase),
+          2.0 + 1.5 * std::cos(3.0 * time + phase);
+    }
+    target.rollouts.push_back({phase == 0.0 ? "a" : "b", states, RowMatrix(499, 0)});
+  }
+  return target;
 }
 
-TEST(RateReport, WrapsDontHideAFactor) {
-  Target target = right_target();
+// The only one.
+std::string warning(const Target& target) {
+  const Findings all = warnings_of(target);
+  EXPECT_EQ(all.size(), 1u) << words_of(all);
+  return all.empty() ? "" : all.front().what;
+}
+
+void in_degrees(Target& target) {
+  for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 180.0 / std::numbers::pi;
+}
+
+TEST(RecordingWarnings, ThereAreNoneOfARightOne) {
+  Target target = turning();
+  EXPECT_EQ(words_of(warnings_of(target)), "");
+  target.state_channels[1].label = "alpha speed";
+  EXPECT_EQ(words_of(warnings_of(target)), "");
+}
+
+// What is said of a recording that was changed; its rollouts are a and b.
+TEST(RecordingWarnings, TellWhatImportsTell) {
+  using Change = void (*)(Target&);
+  const std::vector<std::pair<Change, std::string>> cases = {
+      {[](Target& target) {
+         for (double& angle : target.rollouts[1].states.col(0)) {
+           angle = std::remainder(angle, 2.0 * std::numbers::pi);
+         }
+       },
+       "alpha jumps by -6.249"},
+      {in_degrees, "in an HDF5 file, correct the numbers"},
+      // By a window that is longer than a swing, whose rates are far too small.
+      {[](Target& target) {
+         target.state_channels[1].label = "alpha speed";
+         in_degrees(target);
+       },
+       "degrees"},
+      {[](Target& target) {
+         target.rollouts[1] = target.rollouts[0];
+         target.rollouts[1].name = "b";
+       },
+       "rollout b holds the same numbers as a"},
+      // Leaps of what has no measured rate.
+      {[](Target& target) {
+         target.rollouts[1].states.col(0).tail(300).array() += 1.0;
+         for (Rollout& rollout : target.rollouts) {
+           rollout.states.col(1) = sim::slopes(rollout.states.col(0), 11, target.dt);
+         }
+       },
+       "rollout b: alpha leaps by 1.03 in the step after 1.99 s"}};
+  for (const auto& [change, said] : cases) {
+    Target target = turning();
+    change(target);
+    EXPECT_TRUE(has(warning(target), said));
+  }
+}
+
+TEST(RecordingWarnings, ThereAreNoneOfComputedRates) {
+  Target target = turning();
+  target.dt = 0.004;
   for (Rollout& rollout : target.rollouts) {
-    for (double& angle : rollout.states.col(1)) angle = std::remainder(8.0 * angle, 2.0 * M_PI);
+    for (Index t = 0; t < rollout.states.rows(); ++t) {
+      rollout.states(t, 0) = 0.5 * std::sin(50.0 * target.dt * static_cast<double>(t));
+    }
+    rollout.states.col(0) *= rollout.name == "a" ? 1.0 : 0.8;
+    rollout.states.col(1) = sim::slopes(rollout.states.col(0), 51, target.dt);
+    rollout.states(0, 1) = 0.0;
   }
-  EXPECT_TRUE(says(problem(target), {"alpha changes", "times as fast as alpha_dot says"}));
+  EXPECT_EQ(words_of(warnings_of(target)), "");
+  for (Rollout& rollout : target.rollouts) rollout.states.col(1) *= 1.001;  // measured, then
+  EXPECT_NE(words_of(warnings_of(target)), "");
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/config/problems.h"
+#include "pipeline/config/reading.h"
 #include "pipeline/config/study_fields.h"
 
 namespace npdr::pipeline {

@@ -1,32 +1,17 @@
 // Which settings of a study are part of which keys.
-#include <gtest/gtest.h>
 
 #include <set>
 
 #include "core/text.h"
 #include "pipeline/artefacts/dataset_file.h"
-#include "pipeline/artefacts/recording.h"
 #include "tests/pipeline/plan/field_changes.h"
 #include "tests/pipeline/plan/plan_parts.h"
+#include "tests/pipeline/standing_recording.h"
 #include "tests/sim/library/compiled_library.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
-
-// Three rollouts of a pendulum that stands where `state` is.
-void write_standing(const std::filesystem::path& path, double state) {
-  const auto simulator = sim::make_simulator({.name = "pendulum"});
-  Target target;
-  target.dt = 0.02;
-  target.state_channels = simulator->info().state_channels;
-  target.action_channels = simulator->info().action_channels;
-  for (const char* name : {"first", "second", "third"}) {
-    target.rollouts.push_back({name, RowMatrix::Constant(41, 2, state), RowMatrix::Zero(40, 1)});
-    state += 0.1;
-  }
-  write_recording(target, path);
-}
 
 const std::string kAllSteps = "embedding = { kind = \"all_steps\", downsample = 2 }";
 
@@ -78,10 +63,6 @@ std::string of_policy(const std::string& optimizer, const std::string& listed,
       .with("policy.grid." + listed, {"parameter = \"pole_length\"", "values = [0.1, 0.12]"});
 }
 
-std::string of_regression() {
-  return furuta_study("regression").method("BLR", {"algorithm = \"linear_regression\""});
-}
-
 std::string program_text(const std::string& key) {
   return command_study("program")
       .only("target", {"truth = { a = 0.4, b = 0.5 }"})
@@ -94,14 +75,6 @@ std::string program_text(const std::string& key) {
       .method("NPE", {kAllSteps});
 }
 
-std::string of_golf() { return minigolf_study("golf").method("NPE", {kAllSteps}); }
-
-std::string of_features() { return command_study("features").method("NPE"); }
-
-std::string of_dataset() {
-  return dataset_study("dataset").method("NPE", {"num_simulations = 30"});
-}
-
 std::string of_library() {
   return StudyText("library")
       .with("target", {"truth = {}"})
@@ -111,7 +84,7 @@ std::string of_library() {
       .method("NPE", {kAllSteps});
 }
 
-class Keys : public ::testing::Test {
+class Keys : public FolderTest {
  protected:
   struct AllKeys {
     std::set<std::string> results;
@@ -123,8 +96,8 @@ class Keys : public ::testing::Test {
   };
 
   Keys() {
-    write_standing(folder_ / "standing.h5", 1.0);
-    write_standing(folder_ / "other.h5", 0.5);
+    write_standing(folder_ / "standing.h5", 3);
+    write_standing(folder_ / "other.h5", 3, 40, 0.5);
     folder_.file("x_o.csv", "peak,mean\n1,2\n");
     folder_.file("other.csv", "peak,mean\n1,3\n");
     folder_.file("simulate.sh", "exit 0");
@@ -162,12 +135,12 @@ class Keys : public ::testing::Test {
             of_deviations(),
             of_policy("power", "x", "y"),
             of_policy("cross_entropy", "y", "x"),
-            of_regression(),
-            of_golf(),
+            furuta_study("regression").method("BLR", {"algorithm = \"linear_regression\""}),
+            minigolf_study("golf").method("NPE", {kAllSteps}),
             program_text("command"),
             program_text("worker"),
-            of_features(),
-            of_dataset(),
+            command_study("features").method("NPE"),
+            dataset_study("dataset").method("NPE", {"num_simulations = 30"}),
             of_library()};
   }
 
@@ -233,7 +206,6 @@ class Keys : public ::testing::Test {
             {"cluster.sbatch", {"--qos=long"}}};
   }
 
-  TempFolder folder_;
   TextsByPath texts_ = known_texts();
   std::map<std::pair<std::string, Affects>, Effects> effects_;
 };

@@ -21,13 +21,6 @@ inline std::set<std::string> keys(const Plan& plan, Stage stage) {
   return found;
 }
 
-/// Key of the last node of a stage.
-inline std::string last_key(const Plan& plan, Stage stage) {
-  const auto last = std::find_if(plan.nodes.rbegin(), plan.nodes.rend(),
-                                 [&](const Node& node) { return node.stage == stage; });
-  return last == plan.nodes.rend() ? "" : last->key;
-}
-
 /// Nodes of a stage.
 inline Index count(const Plan& plan, Stage stage) {
   return std::ranges::count(plan.nodes, stage, &Node::stage);

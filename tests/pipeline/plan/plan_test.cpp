@@ -1,16 +1,12 @@
 #include "pipeline/plan/plan.h"
-#include "pipeline/plan/shards.h"
-
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 
 #include "core/error.h"
-#include "pipeline/artefacts/recording.h"
-#include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/plan/key_parts.h"
+#include "pipeline/plan/shards.h"
 #include "tests/pipeline/plan/plan_parts.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/study_text.h"
@@ -30,13 +26,6 @@ TEST(Plan, HasALimit) {
                    {"two: its seeds, methods, iterations, rounds and folds ask for 5050 inferences",
                     "must be at most 5000; lower method.num_rounds"}));
   EXPECT_NO_THROW(plan_of({rounds[0], rounds[1], seeds}, {{}, {1}}));
-}
-
-TEST(Plan, EveryNodeComesAfterWhatItNeeds) {
-  const Plan plan = plan_of();
-  for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
-    for (const std::size_t need : plan.nodes[i].needs) EXPECT_LT(need, i);
-  }
 }
 
 // It reads them, and they may be gone while the evaluations that were made of them are there.
@@ -67,12 +56,33 @@ TEST(Plan, WhatMethodsShareIsListedOnceInTheReportsNeeds) {
   EXPECT_EQ(report.identity.inputs.size(), 3u);
 }
 
-TEST(Plan, ALimitOfFailuresIsPartOfTheReportsKeyAlone) {
-  const Plan before = plan_of();
-  const Plan after = plan_of({"limits.max_failed_fraction=0.5"});
-  ASSERT_EQ(after.nodes.size(), before.nodes.size());
-  for (std::size_t i = 0; i < after.nodes.size(); ++i) {
-    EXPECT_EQ(after.nodes[i].key != before.nodes[i].key, after.nodes[i].stage == Stage::report);
+// The keys of `stages` differ between the plans, and no others.
+void expect_only_differ(const Plan& a, const Plan& b, const std::set<Stage>& stages) {
+  for (const Stage stage : {Stage::target, Stage::held_out, Stage::propose, Stage::simulate,
+                            Stage::infer, Stage::baseline, Stage::evaluate, Stage::report}) {
+    EXPECT_EQ(keys(a, stage) != keys(b, stage), stages.contains(stage)) << name_of(stage);
+  }
+}
+
+TEST(Plan, WhatASettingMeansNothingToKeepsItsKeys) {
+  using enum Stage;
+  const std::string name = "reference=[{name='measured'";
+  const std::string two = "target.held_out=2";
+  const std::string measured = name + ", parameters={pole_mass=1.1}}]";
+  struct Case {
+    std::vector<std::string> before, after;
+    std::set<Stage> stages;
+  };
+  const std::vector<Case> cases = {
+      {{}, {"limits.max_failed_fraction=0.5"}, {report}},
+      {{}, {"simulator.segment_length=50"}, {propose, simulate, infer, baseline, evaluate, report}},
+      {{}, {two}, {held_out, baseline, evaluate, report}},
+      {{two}, {"target.held_out=1"}, {held_out, baseline, evaluate, report}},
+      {{}, {measured}, {baseline, evaluate, report}},
+      {{measured}, {name + ", parameters={pole_mass=1.2}}]"}, {baseline, evaluate, report}}};
+  for (const auto& [before, after, stages] : cases) {
+    SCOPED_TRACE(after.front());
+    expect_only_differ(plan_of(before), plan_of(after), stages);
   }
 }
 
@@ -88,51 +98,21 @@ TEST(Plan, FilesMayLieAnywhereAsSeenFromTheCurrentFolder) {
   EXPECT_NE(without_folders(study_document(study)), without_folders(here));
 }
 
-TEST(Plan, KeysAreTheSameEveryTime) {
-  const Plan first = plan_of();
-  const Plan second = plan_of();
-  ASSERT_EQ(first.nodes.size(), second.nodes.size());
-  for (std::size_t i = 0; i < first.nodes.size(); ++i) {
-    EXPECT_EQ(first.nodes[i].key, second.nodes[i].key);
-  }
-}
-
 TEST(Plan, OnlyWhatDependsOnAKeyChangesWithIt) {
   const Plan before = plan_of();
+  const auto is_same = [&](const Plan& plan, Stage stage, const Use& use) {
+    return plan.node(stage, use).key == before.node(stage, use).key;
+  };
   const Plan learning_rate = plan_of({"method.A.training.learning_rate=0.1"});
-  EXPECT_EQ(learning_rate.node(Stage::simulate, {"A", 1, 1}).key,
-            before.node(Stage::simulate, {"A", 1, 1}).key);
-  EXPECT_NE(learning_rate.node(Stage::infer, {"A", 1, 1}).key,
-            before.node(Stage::infer, {"A", 1, 1}).key);
-  EXPECT_EQ(learning_rate.node(Stage::infer, {"B", 1, 1}).key,
-            before.node(Stage::infer, {"B", 1, 1}).key);
-
+  EXPECT_TRUE(is_same(learning_rate, Stage::simulate, {"A", 1, 1}));
+  EXPECT_FALSE(is_same(learning_rate, Stage::infer, {"A", 1, 1}));
+  EXPECT_TRUE(is_same(learning_rate, Stage::infer, {"B", 1, 1}));
   const Plan simulator = plan_of({"simulator.substeps=2"});
-  EXPECT_EQ(keys(simulator, Stage::propose).count(before.node(Stage::propose, {"A", 1, 1}).key),
-            1u);
-  EXPECT_NE(simulator.node(Stage::simulate, {"A", 1, 1}).key,
-            before.node(Stage::simulate, {"A", 1, 1}).key);
-}
-
-TEST(Plan, MoreRoundsAndAnotherShardSizeKeepWhatIsThere) {
-  const Plan before = plan_of();
-  const Plan after = plan_of({"method.A.num_rounds=3", "simulate.shard_size=7"});
-  EXPECT_EQ(after.node(Stage::infer, {"A", 2, 2}).key, before.node(Stage::infer, {"A", 2, 2}).key);
-  EXPECT_EQ(shards(after, after.node(Stage::simulate, {"A", 1, 1})).size(), 15u);
-}
-
-// The keys of `stages` differ between the plans, and no others.
-void expect_only_differ(const Plan& a, const Plan& b, const std::set<Stage>& stages) {
-  for (const Stage stage : {Stage::target, Stage::held_out, Stage::propose, Stage::simulate,
-                            Stage::infer, Stage::baseline, Stage::evaluate, Stage::report}) {
-    EXPECT_EQ(keys(a, stage) != keys(b, stage), stages.contains(stage)) << name_of(stage);
-  }
-}
-
-TEST(Plan, HeldOutRolloutsAreForBaselinesAndEvaluations) {
-  const std::set<Stage> judged = {Stage::held_out, Stage::baseline, Stage::evaluate, Stage::report};
-  expect_only_differ(plan_of(), plan_of({"target.held_out=1"}), judged);
-  expect_only_differ(plan_of({"target.held_out=2"}), plan_of({"target.held_out=1"}), judged);
+  EXPECT_TRUE(is_same(simulator, Stage::propose, {"A", 1, 1}));
+  EXPECT_FALSE(is_same(simulator, Stage::simulate, {"A", 1, 1}));
+  const Plan more = plan_of({"method.A.num_rounds=3", "simulate.shard_size=7"});
+  EXPECT_TRUE(is_same(more, Stage::infer, {"A", 2, 2}));
+  EXPECT_EQ(shards(more, more.node(Stage::simulate, {"A", 1, 1})).size(), 15u);
 }
 
 TEST(Plan, EveryMethodIsRepeatedWithoutEachFold) {
@@ -166,14 +146,6 @@ TEST(Plan, FoldsTakeTurns) {
   EXPECT_EQ(names_of(without_fold(study, target, 0)), "abcde");
 }
 
-TEST(Plan, ReferencesAreForBaselinesAndEvaluations) {
-  const std::set<Stage> judged = {Stage::baseline, Stage::evaluate, Stage::report};
-  const std::string name = "reference=[{name='measured'";
-  const Plan measured = plan_of({name + ", parameters={pole_mass=1.1}}]"});
-  expect_only_differ(plan_of(), measured, judged);
-  expect_only_differ(measured, plan_of({name + ", parameters={pole_mass=1.2}}]"}), judged);
-}
-
 TEST(Plan, SettingsOfAnotherSimulatorAreInNoKey) {
   const auto document = [](const Plan& plan) {
     return plan.node(Stage::simulate, {"A", 1, 1}).identity.key_document.dump();
@@ -185,15 +157,6 @@ TEST(Plan, SettingsOfAnotherSimulatorAreInNoKey) {
   EXPECT_FALSE(has(document(golf), "integrator"));
 }
 
-TEST(Plan, SegmentsDontChangeASimulatedTarget) {
-  const Plan before = plan_of();
-  const Plan segments = plan_of({"simulator.segment_length=50"});
-  EXPECT_EQ(keys(segments, Stage::target), keys(before, Stage::target));
-  EXPECT_NE(keys(segments, Stage::simulate), keys(before, Stage::simulate));
-  EXPECT_NE(keys(segments, Stage::baseline), keys(before, Stage::baseline));
-}
-
-// A recording of the pendulum whose states are all 1: 2 rollouts of 40 steps.
 TEST(Plan, MethodsShareTheSimulationsOfCalibration) {
   const Plan without = plan_of(), with = plan_of({"diagnose={}"});
   EXPECT_EQ(count(without, Stage::diagnose), 0);
@@ -207,91 +170,23 @@ TEST(Plan, MethodsShareTheSimulationsOfCalibration) {
   EXPECT_EQ(simulation.label(), "simulate A, seed 1, calibration");
   EXPECT_EQ(link_of(with, simulation, simulation.uses.front()),
             "runs/two/a/seed-1/calibration/simulate.h5");
-}
-
-TEST(Plan, ChecksOfTheObservationAloneNeedNoCalibration) {
-  const Plan plan = plan_of({"diagnose.checks=['ood', 'predictive', 'training']"});
-  EXPECT_EQ(count(plan, Stage::diagnose), 4);
-  EXPECT_EQ(count(plan, Stage::simulate), count(plan_of(), Stage::simulate));
-}
-
-TEST(Plan, TheLevelOfTheChecksIsTheReportsAlone) {
-  const Plan one = plan_of({"diagnose={}"}), other = plan_of({"diagnose={ alpha = 0.1 }"});
-  EXPECT_EQ(one.node(Stage::diagnose, {"A", 1, 0}).key,
-            other.node(Stage::diagnose, {"A", 1, 0}).key);
-  EXPECT_NE(one.node(Stage::report, {}).key, other.node(Stage::report, {}).key);
+  const Plan of_x_o = plan_of({"diagnose.checks=['ood', 'predictive', 'training']"});
+  EXPECT_EQ(count(of_x_o, Stage::diagnose), 4);
+  EXPECT_EQ(count(of_x_o, Stage::simulate), count(without, Stage::simulate));
+  const Plan level = plan_of({"diagnose={ alpha = 0.1 }"});
+  EXPECT_EQ(keys(level, Stage::diagnose), keys(with, Stage::diagnose));
+  EXPECT_NE(keys(level, Stage::report), keys(with, Stage::report));
 }
 
 TEST(Plan, ASelectionLeavesOutTheRest) {
-  const Plan plan = plan_of({}, {{"B"}, {2}});
-  EXPECT_EQ(keys(plan, Stage::infer).size(), 1u);
+  EXPECT_EQ(keys(plan_of({}, {{"B"}, {2}}), Stage::infer).size(), 1u);
   EXPECT_THROW(plan_of({}, {{"C"}, {}}), InputError);
   EXPECT_THROW(plan_of({}, {{}, {3}}), InputError);
-}
-
-// Everything that a study says of a program's parameters and goal changes rows, or what they are
-// judged by.
-TEST(Plan, WhatAStudySaysOfItsProgramIsInTheKeys) {
-  const StudyText text =
-      StudyText("spring")
-          .with("target", {"truth = { a = 1.0 }"})
-          .with("simulator", {"worker = \"true\"", "states = [\"q\"]", "dt = 0.1", "num_steps = 9",
-                              "initial_states = [[0.0]]",
-                              "parameter = [{ name = \"a\", nominal = 1.0 }, { name = \"b\", "
-                              "nominal = 2.0, lower = 0.0, upper = 3.0, unit = \"m\" }]",
-                              "goal = { place = { q = 0.0 }, radius = 0.1 }"})
-          .with("evaluate", {"metrics = [\"rmse\", \"goal\"]"})
-          .with("prior", {"a = { uniform = [0.0, 2.0] }"})
-          .method("A", {"num_simulations = 100"});
-  const auto plan = [&](const std::string& from, const std::string& to) {
-    std::string changed = text;
-    changed.replace(changed.find(from), from.size(), to);
-    return make_plan(parse_study(changed, "s.toml"), WorkFolder("runs"));
-  };
-  const Plan before = plan("dt", "dt");
-  for (const auto& [from, to] :
-       {std::pair("nominal = 2.0", "nominal = 2.5"), std::pair("lower = 0.0", "lower = 0.1"),
-        std::pair("upper = 3.0", "upper = 4.0")}) {
-    EXPECT_NE(keys(plan(from, to), Stage::simulate), keys(before, Stage::simulate)) << to;
-    EXPECT_NE(keys(plan(from, to), Stage::target), keys(before, Stage::target)) << to;
-  }
-  EXPECT_EQ(keys(plan("unit = \"m\"", "unit = \"cm\""), Stage::simulate),
-            keys(before, Stage::simulate));
-  for (const auto& [from, to] :
-       {std::pair("radius = 0.1", "radius = 0.2"), std::pair("q = 0.0", "q = 0.5")}) {
-    const Plan after = plan(from, to);
-    EXPECT_EQ(keys(after, Stage::simulate), keys(before, Stage::simulate)) << to;
-    EXPECT_NE(keys(after, Stage::evaluate), keys(before, Stage::evaluate)) << to;
-    EXPECT_NE(keys(after, Stage::baseline), keys(before, Stage::baseline)) << to;
-  }
-}
-
-TEST(Plan, NodesAreFoundByTheBeginningOfTheirKey) {
   const Plan plan = plan_of();
   const Node& node = plan.nodes[3];
   EXPECT_EQ(&plan.node_by_key(node.key.substr(0, 12)), &node);
   EXPECT_THROW(plan.node_by_key("x"), InputError);
   EXPECT_THROW(plan.node_by_key(""), InputError);  // all begin like this
-}
-
-// A study that asks for nothing new keeps what was computed before: the report's key is made of all
-// others.
-// A pin for each stage: a new field re-pins those that it affects. The report's key holds the whole
-// study, and changes with each.
-TEST(Plan, KeysOfEachStageStay) {
-  using Pins = std::map<Stage, std::string>;
-  const auto expect_pins = [](const std::vector<std::string>& overrides, const Pins& pins) {
-    const Plan plan = plan_of(overrides);
-    for (const auto& [stage, key] : pins) EXPECT_EQ(last_key(plan, stage), key) << name_of(stage);
-  };
-  expect_pins({"diagnose={}"}, {{Stage::target, "1cc7a0831e756f45518e9c0436612c28"},
-                                {Stage::propose, "e613be47d54d732a656955870962f1b1"},
-                                {Stage::simulate, "baa1cecaf3eea7e3132a80e83b9f9247"},
-                                {Stage::infer, "bf75625ff34e6b3b92c067884b7016cf"},
-                                {Stage::evaluate, "727e493565ae973b1bbd03eddbf0edc4"},
-                                {Stage::diagnose, "b120a37c5540b8b26c19b8d6a7c64be1"},
-                                {Stage::baseline, "f397a16268d7e4099b5e11af7ed7d6c0"}});
-  expect_pins({"target.held_out=1"}, {{Stage::held_out, "385d37349fa6f0fc8d3d23eb1ba8644b"}});
 }
 
 // The last round's posterior holds all that a population needs of the rounds before it.
@@ -325,16 +220,15 @@ TEST(Plan, ARegressionNeedsTheTargetAlone) {
   };
   const Plan first = plan({});
   EXPECT_EQ(first.nodes.size(), 5u) << "target, infer, evaluate, baseline, report";
-  const Node& infer = first.node(Stage::infer, {"R", 1, 1});
-  EXPECT_EQ(inputs_of(first, infer), std::vector<Stage>{Stage::target});
-  const auto key = [&](const std::string& assignment) {
-    return plan({assignment}).node(Stage::infer, {"R", 1, 1}).key;
-  };
-  EXPECT_NE(key("simulator.parameters={ gravity = 9.7 }"), infer.key);
-  EXPECT_NE(key("prior.pole_mass={ uniform = [0.01, 0.04] }"), infer.key);
-  EXPECT_NE(key("method.linear_regression.window=7"), infer.key);
-  EXPECT_EQ(key("observation_noise.scale=0.3"), infer.key);
-  EXPECT_EQ(key("method.num_rounds=4"), infer.key);
+  EXPECT_EQ(inputs_of(first, first.node(Stage::infer, {"R", 1, 1})),
+            std::vector<Stage>{Stage::target});
+  for (const auto& [setting, changes] : {std::pair{"simulator.parameters={ gravity = 9.7 }", true},
+                                         {"prior.pole_mass={ uniform = [0.01, 0.04] }", true},
+                                         {"method.linear_regression.window=7", true},
+                                         {"observation_noise.scale=0.3", false},
+                                         {"method.num_rounds=4", false}}) {
+    EXPECT_EQ(keys(plan({setting}), Stage::infer) != keys(first, Stage::infer), changes) << setting;
+  }
 }
 
 }  // namespace

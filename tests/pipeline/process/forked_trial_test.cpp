@@ -1,6 +1,5 @@
 #include "pipeline/process/forked_trial.h"
 
-#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -8,7 +7,6 @@
 #include <stdexcept>
 
 #include "core/error.h"
-#include "tests/message_of.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -22,16 +20,10 @@ TEST(ForkedTrial, TellsACrashFromAnEnd) {
   EXPECT_EQ(try_in_child([] { std::_Exit(1); }), Ending::crashed) << "a sanitizer's exit";
 }
 
-TEST(ForkedTrial, EndsWhatNeverDoes) {
+TEST(ForkedTrial, EndsWhatNeverDoesAndLeavesThisProcessAsItWas) {
   EXPECT_EQ(try_in_child([] { pause(); }, {.seconds = 1}), Ending::ran_out_of_time);
   EXPECT_EQ(try_in_child([] { std::raise(SIGXCPU); }), Ending::ran_out_of_time);
-}
-
-TEST(ForkedTrial, WhatComesFromOutsideIsNoCrash) {
-  EXPECT_EQ(try_in_child([] { std::raise(SIGKILL); }), Ending::came_back);
-}
-
-TEST(ForkedTrial, LeavesThisProcessAsItWas) {
+  EXPECT_EQ(try_in_child([] { std::raise(SIGKILL); }), Ending::came_back) << "from outside";
   int value = 1;
   EXPECT_EQ(try_in_child([&] { value = 2; }), Ending::came_back);
   EXPECT_EQ(value, 1);

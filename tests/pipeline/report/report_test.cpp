@@ -2,8 +2,9 @@
 #include <set>
 
 #include "pipeline/report/figure_parts.h"
-#include "pipeline/report/pooling_text.h"
 #include "pipeline/report/registry.h"
+#include "pipeline/report/texts.h"
+#include "tests/pipeline/findings/findings_fixture.h"
 #include "tests/pipeline/small_study.h"
 
 namespace npdr::pipeline {
@@ -43,55 +44,46 @@ TEST(ReportTables, SayWhichKindOfPriorAParameterHas) {
                                               "N(9.81, 0.05²)", "exp N(-3, 0.5²)"}));
 }
 
-Plan golf_plan_of(const StudyText::Lines& prior) {
+// Contractions of the parameters of a golf's prior, of these samples.
+std::vector<double> contractions(const StudyText::Lines& prior, const RowMatrix& theta) {
   const std::string study = minigolf_study("golf")
                                 .with("simulator", {"store_every = 1"})
                                 .only("prior", prior)
                                 .method("NPDR (MAF)", {"num_simulations = 200"});
-  return make_plan(parse_study(study, "s.toml"), WorkFolder("runs"));
-}
-
-double contraction(const analysis::Table& table, std::size_t parameter) {
-  return std::get<analysis::MeanStd>(table.rows[parameter].cells[0].value).mean;
+  const Plan plan = make_plan(parse_study(study, "s.toml"), WorkFolder("runs"));
+  const analysis::Table table =
+      contraction_table({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}}).value();
+  std::vector<double> found;
+  for (const analysis::Row& row : table.rows) {
+    found.push_back(std::get<analysis::MeanStd>(row.cells[0].value).mean);
+  }
+  return found;
 }
 
 // Samples +-s of [-pi/2, pi/2], an obstacle's angle: at its middle, and the same around its end,
 // where the copies modulo pi lie on the other side. Variance 2 s^2 (two values, n - 1).
 TEST(ReportTables, ContractionKnowsPeriods) {
-  const Plan plan =
-      golf_plan_of({"ball_restitution = { uniform = [0.0, 1.0] }",
-                    "obstacle1_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }",
-                    "obstacle2_dyaw = { uniform = [-1.5707963267948966, 1.5707963267948966] }"});
   const double s = 0.01, end = std::numbers::pi / 2;
-  RowMatrix theta(2, 3);
-  theta << 0.5 - s, -s, end - s, 0.5 + s, s, -end + s;
-  const analysis::Table table =
-      contraction_table({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}}).value();
-  EXPECT_NEAR(contraction(table, 0), 1.0 - 2 * s * s * 12.0, 1e-6);
-  const double turn = std::numbers::pi * std::numbers::pi / 12.0;
-  EXPECT_NEAR(contraction(table, 1), 1.0 - 2 * s * s / turn, 1e-6);
-  EXPECT_NEAR(contraction(table, 2), contraction(table, 1), 1e-6);
-}
-
-// A normal prior far wider than the period says nothing about the angle: nor does a posterior that
-// is even over it.
-TEST(ReportTables, ContractionOfAWideNormalIsThatOfItsAngle) {
-  const Plan plan = golf_plan_of({"obstacle2_dyaw = { normal = [0.0, 1.5] }"});
-  RowMatrix theta(1000, 1);
-  for (Index i = 0; i < 1000; ++i) theta(i, 0) = std::numbers::pi * (double(i) / 1000.0 - 0.5);
-  const analysis::Table table =
-      contraction_table({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}}).value();
-  EXPECT_NEAR(contraction(table, 0), 0.0, 0.05);
+  const std::string turn = " = { uniform = [-1.5707963267948966, 1.5707963267948966] }";
+  const std::vector<double> found =
+      contractions({"ball_restitution = { uniform = [0.0, 1.0] }", "obstacle1_dyaw" + turn,
+                    "obstacle2_dyaw" + turn},
+                   RowMatrix{{0.5 - s, -s, end - s}, {0.5 + s, s, -end + s}});
+  EXPECT_NEAR(found[0], 1.0 - 2 * s * s * 12.0, 1e-6);
+  EXPECT_NEAR(found[1], 1.0 - 2 * s * s * 12.0 / (std::numbers::pi * std::numbers::pi), 1e-6);
+  EXPECT_NEAR(found[2], found[1], 1e-6);
+  // A normal prior far wider than the period says nothing about the angle: nor does a posterior
+  // that is even over it.
+  const Vector even = Vector::LinSpaced(1000, -0.5, 0.499) * std::numbers::pi;
+  EXPECT_NEAR(contractions({"obstacle2_dyaw = { normal = [0.0, 1.5] }"}, even)[0], 0.0, 0.05);
 }
 
 // The prior but for its few largest values, which make up most of its variance.
 TEST(ReportTables, ContractionOfDecadesIsThatOfLogarithms) {
-  const Plan plan = golf_plan_of({"ball_rolling_friction = { log_uniform = [1e-7, 1e-3] }"});
-  RowMatrix theta(1000, 1);
-  for (Index i = 0; i < 1000; ++i) theta(i, 0) = std::pow(10.0, -7.0 + 3.9 * (double(i) / 999.0));
-  const analysis::Table table =
-      contraction_table({plan, info_of(plan), {"NPDR (MAF)"}, {1}, {run_of(theta)}, {}}).value();
-  EXPECT_NEAR(contraction(table, 0), 1.0 - 3.9 * 3.9 / (4.0 * 4.0), 5e-3);
+  const Vector exponents = Vector::LinSpaced(1000, -7.0, -3.1);
+  const Vector theta = (std::log(10.0) * exponents.array()).exp();
+  EXPECT_NEAR(contractions({"ball_rolling_friction = { log_uniform = [1e-7, 1e-3] }"}, theta)[0],
+              1.0 - 3.9 * 3.9 / (4.0 * 4.0), 5e-3);
 }
 
 // Of two channels one has noise, whose parameters all have priors. The third sample has failed.
@@ -144,6 +136,55 @@ TEST(ReportFigures, SayWhatTheyLeaveOut) {
   EXPECT_EQ(left_out_parameters(study), " 15 of 16 parameters.");
   study.report.parameters = {"pole_mass", "pole_length"};
   EXPECT_EQ(left_out_parameters(study), " 2 of 16 parameters.");
+}
+
+class NextSteps : public Verdicts {
+ protected:
+  NextSteps() {
+    data_.methods.push_back(kOther);
+    data_.runs.push_back(data_.runs.front());
+    data_.runs.back().use.method = kOther;
+    data_.diagnoses.push_back(data_.diagnoses.front());
+    data_.diagnoses.back().use.method = kOther;
+  }
+
+  void fail(const std::string& method) {
+    for (auto& diagnosis : data_.diagnoses) {
+      if (diagnosis.use.method == method) diagnosis.result.training->is_converged = false;
+    }
+  }
+
+  static constexpr const char* kOther = "NPDR (MoG)";
+};
+
+TEST_F(NextSteps, SayWhatTheChecksFoundOfEachPosterior) {
+  fail(kMethod);
+  EXPECT_TRUE(
+      has(next_steps(data_),
+          "npdr-maf/seed-1/round-1/infer.h5    # NPDR (MAF): 1 of 8 checks FAIL: Training\n"));
+  EXPECT_TRUE(
+      has(next_steps(data_),
+          "npdr-mog/seed-1/round-1/infer.h5    # NPDR (MoG): all 8 checks pass; not checked: "
+          "Calibration\n"));
+}
+
+TEST_F(NextSteps, GoOnWithTheFirstOfThoseOfWhichTheFewestFail) {
+  EXPECT_TRUE(has(next_steps(data_), "npdr sample runs/small/npdr-maf/seed-1/"));
+  EXPECT_FALSE(has(next_steps(data_), "fail: do first"));
+  fail(kMethod);
+  EXPECT_TRUE(has(next_steps(data_), "npdr sample runs/small/npdr-mog/seed-1/"));
+  EXPECT_FALSE(has(next_steps(data_), "fail: do first")) << "the other one passes";
+  fail(kOther);
+  EXPECT_TRUE(
+      has(next_steps(data_), "# Checks of NPDR (MAF) fail: do first what the verdicts say"));
+}
+
+TEST_F(NextSteps, DontTakeWhatWasNeverCheckedForGood) {
+  plan_.study.diagnose.checks = {Check::training};
+  plan_.study.methods.back().algorithm.kind = inference::Algorithm::abc_smc;
+  fail(kMethod);
+  EXPECT_TRUE(has(next_steps(data_), "infer.h5    # NPDR (MoG)\n"));
+  EXPECT_TRUE(has(next_steps(data_), "npdr sample runs/small/npdr-maf/seed-1/"));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/sources/row_simulator.h"
 #include "pipeline/store/h5.h"
 #include "tests/temp_folder.h"
 
@@ -46,18 +47,25 @@ class ExternalSimulators : public ::testing::Test {
     study_.external.retries = 0;
   }
 
-  ExternalSimulator program(const std::filesystem::path& log,
-                            Index hopeless = kHopelessRows) const {
-    const sim::SimulatorInfo info = simulator_info(study_);
-    return {study_.external, info, make_file_call(study_.external, info, nullptr, 2), log,
+  ExternalSimulator program(const std::string& command, Index hopeless = kHopelessRows) {
+    study_.external.command = command;
+    return {{study_.external, simulator_info(study_), feature_segments(2), 1, 2},
+            folder_ / "log",
             hopeless};
+  }
+
+  // What is said where a program can't simulate rows of the parameters 0.
+  static std::string error_of(ExternalSimulator& simulator, Index num_rows,
+                              std::uint64_t first = 0) {
+    return message_of<Error>([&] {
+      simulator.simulate(RowMatrix::Zero(num_rows, 2), {1, "test", 0, first, 0});
+    });
   }
 
   // Rows a = 0, 1, ..., n - 1 after a simulation with rows that do `what`.
   sim::Trajectories run(Index n, const std::string& bad, const std::string& what, Index begin = 0) {
     std::filesystem::remove(folder_ / "calls");
-    study_.external.command = "BAD='" + bad + "' WHAT=" + what + " sh sim.sh";
-    ExternalSimulator simulator = program(folder_ / "log");
+    ExternalSimulator simulator = program("BAD='" + bad + "' WHAT=" + what + " sh sim.sh");
     RowMatrix theta(n, 2);
     for (Index i = 0; i < n; ++i) theta.row(i) << static_cast<double>(begin + i), 0.5;
     return simulator.simulate(theta, {7, "test", 1, static_cast<std::uint64_t>(begin), 0});
@@ -144,8 +152,8 @@ TEST_F(ExternalSimulators, RowsThatTheProgramNamesAreLostWithoutAnotherCall) {
 }
 
 TEST_F(ExternalSimulators, ARowThatTheProgramNamesSaysWhy) {
-  study_.external.command = "printf '0 too stiff\\n1  too  soft\\n' > $NPDR_FAILED; : {theta} {x}";
-  ExternalSimulator simulator = program(folder_ / "log");
+  ExternalSimulator simulator =
+      program("printf '0 too stiff\\n1  too  soft\\n' > $NPDR_FAILED; : {theta} {x}");
   const sim::Trajectories x = simulator.simulate(RowMatrix::Zero(2, 2), {1, "test", 0, 0, 0});
   EXPECT_EQ(failed_rows(x, RolloutStatus::crashed), (std::vector<Index>{0, 1}))
       << "where all rows have failed there need be no x";
@@ -169,8 +177,7 @@ TEST_F(ExternalSimulators, NamedRowsComeBackWhereTheCallWasToBlame) {
   EXPECT_EQ(text_of(folder_ / "calls"), "0 16\n5 11\n10 6\n15 1\n");
   expect_others_as_ever(x);
 
-  study_.external.command = "BAD= WHAT=tires sh sim.sh";
-  ExternalSimulator simulator = program(folder_ / "log");
+  ExternalSimulator simulator = program("BAD= WHAT=tires sh sim.sh");
   simulator.simulate(RowMatrix::Zero(16, 2), {7, "test", 1, 0, 0});
   EXPECT_EQ(simulator.last_failure(), "tired");
   EXPECT_EQ(simulator.last_loss(), "") << "no row was lost to it";
@@ -180,15 +187,15 @@ TEST_F(ExternalSimulators, NamedRowsAreOneFailureOfAProgramThatAlwaysFails) {
   std::string bad;
   for (int a = 4; a < 100; ++a) bad += std::to_string(a) + " ";
   const std::string message = message_of<Error>([&] { run(100, "0 1 2 3 " + bad, "named"); });
-  EXPECT_NE(message.find("failed for each of 100 rows: a is 99"), std::string::npos) << message;
+  EXPECT_TRUE(has(message, "failed for each of 100 rows: a is 99"));
   EXPECT_EQ(num_calls(), 1);
   run(100, bad, "named");
   EXPECT_EQ(num_calls(), 2) << "with one for a row that went well: it does so still";
 }
 
 TEST_F(ExternalSimulators, ABadFileOfNamesIsABadOutput) {
-  study_.external.command = "echo all > $NPDR_FAILED; printf '1,2\\n' > {x}; : {theta}";
-  ExternalSimulator simulator = program(folder_ / "log");
+  ExternalSimulator simulator =
+      program("echo all > $NPDR_FAILED; printf '1,2\\n' > {x}; : {theta}");
   const sim::Trajectories x = simulator.simulate(RowMatrix::Zero(1, 2), {1, "test", 0, 0, 0});
   EXPECT_EQ(failed_rows(x, RolloutStatus::bad_output), std::vector<Index>{0});
   EXPECT_TRUE(simulator.last_failure().starts_with("NPDR_FAILED has in line 1 'all', must have"))
@@ -196,29 +203,17 @@ TEST_F(ExternalSimulators, ABadFileOfNamesIsABadOutput) {
 }
 
 TEST_F(ExternalSimulators, ARowThatDivergesSaysWhichNumberIsNone) {
-  study_.external.command = "WHAT=nan BAD=5 sh sim.sh";
-  ExternalSimulator simulator = program(folder_ / "log");
+  ExternalSimulator simulator = program("WHAT=nan BAD=5 sh sim.sh");
   RowMatrix theta = RowMatrix::Zero(16, 2);
   theta.col(0).setLinSpaced(0.0, 15.0);
   simulator.simulate(theta, {1, "test", 0, 0, 0});
   EXPECT_EQ(simulator.lost_number(), "row 5 has nan in 'y'");
 }
 
-TEST_F(ExternalSimulators, ACallThatFailsOnceIsRepeated) {
-  study_.external.retries = 1;
-  study_.external.command = "test -e once || { touch once; exit 1; }; sh sim.sh";
-  ExternalSimulator simulator = program(folder_ / "log");
-  const RowMatrix theta = RowMatrix::Constant(5, 2, 1.0);
-  const sim::Trajectories x = simulator.simulate(theta, {1, "test", 0, 0, 0});
-  EXPECT_EQ(std::ranges::count(x.status, RolloutStatus::ok), 5);
-  EXPECT_EQ(simulator.num_calls(), 2);
-}
-
 TEST_F(ExternalSimulators, SmallerCallsHaveTheirShareOfTheTimeLimit) {
-  study_.external.command = "sim";
   study_.external.time_limit = 100.0;
   study_.external.start_time = 2.0;
-  const ExternalSimulator simulator = program(folder_ / "log");
+  const ExternalSimulator simulator = program("sim");
   EXPECT_DOUBLE_EQ(simulator.time_limit(1000, 1000), 100.0);
   EXPECT_DOUBLE_EQ(simulator.time_limit(250, 1000), 27.0);
   EXPECT_DOUBLE_EQ(simulator.time_limit(999, 1000), 100.0);
@@ -226,27 +221,17 @@ TEST_F(ExternalSimulators, SmallerCallsHaveTheirShareOfTheTimeLimit) {
 }
 
 TEST_F(ExternalSimulators, AProgramThatIsNotThereIsAnErrorAtOnce) {
-  study_.external.command = "nosuchprogram";
-  ExternalSimulator simulator = program(folder_ / "log");
-  const std::string message = message_of<Error>([&] {
-    simulator.simulate(RowMatrix::Zero(100, 2), {1, "test", 0, 0, 0});
-  });
-  EXPECT_NE(message.find("simulator.command = 'nosuchprogram' can't be run: exit status 127"),
-            std::string::npos)
-      << message;
-  EXPECT_NE(message.find("nosuchprogram: not found"), std::string::npos) << message;
+  ExternalSimulator simulator = program("nosuchprogram");
+  EXPECT_TRUE(has(error_of(simulator, 100),
+                  {"simulator.command = 'nosuchprogram' can't be run: exit status 127",
+                   "nosuchprogram: not found"}));
   EXPECT_EQ(simulator.num_calls(), 1);
 }
 
 TEST_F(ExternalSimulators, AProgramThatAlwaysFailsIsAnErrorAfterSomeRows) {
-  study_.external.command = "echo no license >&2; exit 5 #";
-  ExternalSimulator simulator = program(folder_ / "log");
-  const std::string message = message_of<Error>([&] {
-    simulator.simulate(RowMatrix::Zero(1000, 2), {1, "test", 0, 0, 0});
-  });
-  EXPECT_NE(message.find("failed for each of 32 rows: exit status 5"), std::string::npos)
-      << message;
-  EXPECT_NE(message.find("no license"), std::string::npos) << message;
+  ExternalSimulator simulator = program("echo no license >&2; exit 5 #");
+  EXPECT_TRUE(
+      has(error_of(simulator, 1000), {"failed for each of 32 rows: exit status 5", "no license"}));
   EXPECT_LT(simulator.num_calls(), 100);
 }
 
@@ -256,21 +241,17 @@ TEST_F(ExternalSimulators, FewerRowsAreHopelessWhereFewMayFail) {
   EXPECT_EQ(hopeless_rows(0.5), 30);
   EXPECT_EQ(hopeless_rows(0.95), 405);
   EXPECT_EQ(hopeless_rows(1.0), std::numeric_limits<Index>::max());
-  study_.external.command = "echo 1,2,3 >{x} #";
-  ExternalSimulator simulator = program(folder_ / "log", hopeless_rows(0.05));
-  const std::string message = message_of<Error>([&] {
-    simulator.simulate(RowMatrix::Zero(64, 2), {1, "test", 0, 0, 0});
-  });
-  EXPECT_NE(message.find("failed for each of 7 rows: "), std::string::npos) << message;
-  EXPECT_NE(message.find("has 3 columns, must have 2: y, seed"), std::string::npos) << message;
+  ExternalSimulator simulator = program("echo 1,2,3 >{x} #", hopeless_rows(0.05));
+  EXPECT_TRUE(has(error_of(simulator, 64),
+                  {"failed for each of 7 rows: ", "has 3 columns, must have 2: y, seed"}));
   EXPECT_EQ(simulator.num_calls(), 8);
 }
 
 // However the first call fails: one good row of those that are asked for shows that rows are to
 // blame.
 TEST_F(ExternalSimulators, RowsAtBothEndsMayFail) {
-  study_.external.command = "BAD='0 1 2 3 4 5 6 7 8 9 63' WHAT=crash sh sim.sh";
-  ExternalSimulator simulator = program(folder_ / "log", hopeless_rows(0.05));
+  ExternalSimulator simulator =
+      program("BAD='0 1 2 3 4 5 6 7 8 9 63' WHAT=crash sh sim.sh", hopeless_rows(0.05));
   RowMatrix theta = RowMatrix::Constant(64, 2, 0.5);
   theta.col(0).setLinSpaced(0.0, 63.0);
   const sim::Trajectories x = simulator.simulate(theta, {7, "test", 1, 0, 0});
@@ -280,9 +261,8 @@ TEST_F(ExternalSimulators, RowsAtBothEndsMayFail) {
 
 TEST_F(ExternalSimulators, ACallThatWentWellWhenItWasRepeatedLostNoRow) {
   study_.external.retries = 1;
-  study_.external.command =
-      "test -e again || { touch again; exit 5; }; BAD=2 WHAT=nan sh sim.sh {theta} {x}";
-  ExternalSimulator simulator = program(folder_ / "log");
+  ExternalSimulator simulator =
+      program("test -e again || { touch again; exit 5; }; BAD=2 WHAT=nan sh sim.sh {theta} {x}");
   RowMatrix theta = RowMatrix::Zero(4, 2);
   simulator.simulate(theta, {1, "test", 0, 0, 0});
   EXPECT_EQ(simulator.last_loss() + simulator.lost_number(), "");
@@ -299,18 +279,13 @@ TEST_F(ExternalSimulators, ACallThatWentWellWhenItWasRepeatedLostNoRow) {
 // The licence goes after some rows. Rows that fail are theirs as long as one that went well before
 // still does.
 TEST_F(ExternalSimulators, AProgramThatFailsFromSomeTimeOnIsAnError) {
-  study_.external.command = "test -e gone && exit 5; BAD='' WHAT=none sh sim.sh";
-  ExternalSimulator simulator = program(folder_ / "log");
+  ExternalSimulator simulator = program("test -e gone && exit 5; BAD='' WHAT=none sh sim.sh");
   RowMatrix theta = RowMatrix::Zero(100, 2);
   simulator.simulate(theta, {1, "test", 0, 0, 0});
   folder_.file("gone", "");
-  const std::string message = message_of<Error>([&] {
-    simulator.simulate(theta, {1, "test", 0, 100, 0});
-  });
-  EXPECT_NE(message.find("failed for the last 32 rows, and then for one that it had simulated "
-                         "before: exit status 5"),
-            std::string::npos)
-      << message;
+  EXPECT_TRUE(has(error_of(simulator, 100, 100),
+                  "failed for the last 32 rows, and then for one that it had simulated "
+                  "before: exit status 5"));
 }
 
 TEST_F(ExternalSimulators, ManyRowsInARowMayFail) {
@@ -322,35 +297,29 @@ TEST_F(ExternalSimulators, ManyRowsInARowMayFail) {
 
 TEST_F(ExternalSimulators, TheLogHoldsWhatWasPrinted) {
   {
-    study_.external.command = "echo hello; sh sim.sh {theta} {x}";
-    ExternalSimulator simulator = program(folder_ / "log");
+    ExternalSimulator simulator = program("echo hello; sh sim.sh {theta} {x}");
     simulator.simulate(RowMatrix::Zero(3, 2), {1, "test", 0, 0, 0});
   }
   const std::string log = text_of(folder_ / "log");
   EXPECT_TRUE(log.starts_with("call 1, 3 rows from row 0: exit status 0 after")) << log;
-  EXPECT_NE(log.find("\nhello\n"), std::string::npos) << log;
+  EXPECT_TRUE(has(log, "\nhello\n"));
 }
 
 TEST_F(ExternalSimulators, ColumnsMustBeNamedWhereOnlyTheObservationNamesThem) {
   study_.external.names_from = NamesFrom::observation;
-  study_.external.command = "WHAT=none BAD= sh sim.sh";
-  ExternalSimulator nameless = program(folder_ / "log");
+  ExternalSimulator nameless = program("WHAT=none BAD= sh sim.sh");
   const std::string message = message_of<Error>([&] {
     nameless.simulate(RowMatrix::Constant(40, 2, 1.0), {1, "test", 0, 0, 0});
   });
-  EXPECT_NE(message.find("no names"), std::string::npos) << message;
-  EXPECT_NE(message.find("y, seed"), std::string::npos) << message;
-  EXPECT_NE(message.find("simulator.features"), std::string::npos) << message;
+  EXPECT_TRUE(has(message, {"no names", "y, seed", "simulator.features"}));
 }
 
 TEST_F(ExternalSimulators, TheFirstFailureIsTheOneThatIsTold) {
-  study_.external.command = "echo 1,2 > {x}; : {theta}";  // one row, however many are asked for
-  ExternalSimulator simulator = program(folder_ / "log");
+  ExternalSimulator simulator = program("echo 1,2 > {x}; : {theta}");
   const sim::Trajectories x =
       simulator.simulate(RowMatrix::Constant(4, 2, 1.0), {1, "test", 0, 0, 0});
   EXPECT_EQ(x.status, std::vector<RolloutStatus>(4, RolloutStatus::ok)) << "each row alone";
-  EXPECT_NE(simulator.last_failure().find("has 1 row, must have 4"), std::string::npos)
-      << simulator.last_failure();
+  EXPECT_TRUE(has(simulator.last_failure(), "has 1 row, must have 4"));
 }
 
 TEST_F(ExternalSimulators, Hdf5IsReadAndWritten) {
@@ -362,8 +331,7 @@ TEST_F(ExternalSimulators, Hdf5IsReadAndWritten) {
     file.close();
   }
   study_.external.format = FileFormat::hdf5;
-  study_.external.command = "cp {theta} theta.h5; cp made.h5 {x}";
-  ExternalSimulator simulator = program(folder_ / "log");
+  ExternalSimulator simulator = program("cp {theta} theta.h5; cp made.h5 {x}");
   const RowMatrix theta = (RowMatrix(2, 2) << 0.1, 0.5, 0.2, 0.5).finished();
   const sim::Trajectories x = simulator.simulate(theta, {1, "test", 0, 0, 0});
   EXPECT_EQ(x.values, (std::vector<float>{2, 1, 4, 3}));

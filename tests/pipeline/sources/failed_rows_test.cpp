@@ -69,13 +69,5 @@ TEST_F(FailedRows, WhatIsNoFileIsAnError) {
   EXPECT_EQ(problem_of_path(), "NPDR_FAILED must be a file");
 }
 
-TEST_F(FailedRows, AFileThatIsTooLargeIsNotRead) {
-  folder_.file("failed", "0 why\n");
-  std::filesystem::resize_file(folder_ / "failed", std::uintmax_t{1} << 40);
-  EXPECT_EQ(problem_of_path(),
-            "NPDR_FAILED has 1099511627776 bytes, must have 16777216 or less: a line for each row "
-            "that failed");
-}
-
 }  // namespace
 }  // namespace npdr::pipeline

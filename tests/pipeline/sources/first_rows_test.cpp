@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/constants.h"
+#include "tests/message_of.h"
 #include "tests/words_of.h"
 
 namespace npdr::pipeline {
@@ -35,8 +36,7 @@ sim::Trajectories simulated(Index late) {
 
 TEST(LateStates, AreFoundInAllRows) {
   EXPECT_EQ(words_of(find_late_states(simulated(0), recorded())), "");
-  EXPECT_NE(words_of(find_late_states(simulated(1), recorded())).find("all come a step late"),
-            std::string::npos);
+  EXPECT_TRUE(has(words_of(find_late_states(simulated(1), recorded())), "all come a step late"));
   sim::Trajectories mixed = simulated(1);
   mixed.row(1)[3] = 7.0f;
   EXPECT_EQ(words_of(find_late_states(mixed, recorded())), "");
@@ -79,6 +79,13 @@ TEST(RepeatedRows, AreCounted) {
             "3 of the first 64 rows are the same to th");
   EXPECT_EQ(words_of(find_same_rows(theta(64), with_zeros(2))), "") << "by chance";
   EXPECT_EQ(words_of(find_same_rows(theta(64), rows(64))), "");
+}
+
+TEST(RepeatedRows, AreToldWhereAllAre) {
+  const RowMatrixF x = RowMatrixF::Constant(64, 1, 7.0f);
+  EXPECT_NE(words_of(find_same_rows(theta(64), x)).find("all of the first 64 rows"),
+            std::string::npos);
+  EXPECT_EQ(words_of(find_same_rows(theta(7), x.topRows(7))), "") << "too few to tell";
 }
 
 TEST(RepeatedRows, AreNoneOfTheSameParameters) {

@@ -36,20 +36,6 @@ TEST_F(RepeatedOutlier, AreNamedWithTheirNumber) {
   EXPECT_TRUE(says(found(), {"'peak' is 1e+30 in 3 of 64 rows"}));
 }
 
-TEST_F(RepeatedOutlier, RowsThatAreAllTheSameAreTold) {
-  const auto are_same = [](const RowMatrixF& x) {
-    RepeatedOutliers rows(2);
-    rows.observe(x);
-    return rows.are_rows_same();
-  };
-  EXPECT_FALSE(are_same(x_));
-  x_.col(0).setConstant(7.0f);
-  EXPECT_FALSE(are_same(x_)) << "one column varies";
-  x_.col(1).setZero();
-  EXPECT_TRUE(are_same(x_));
-  EXPECT_FALSE(are_same(x_.topRows(1))) << "nothing to compare with";
-}
-
 TEST_F(RepeatedOutlier, AreNoneOfWhatMeasurementsDo) {
   EXPECT_EQ(found(), "");
   x_(3, 1) = 50.0f;

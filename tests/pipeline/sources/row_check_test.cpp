@@ -54,20 +54,7 @@ std::vector<double> sound(const RowMatrix& theta, std::span<const std::uint32_t>
 
 void expect_one(const std::vector<std::string>& warnings, const std::string& part) {
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find(part), std::string::npos) << warnings[0];
-}
-
-TEST(RowCheck, SoundRowsPass) { EXPECT_TRUE(check(sound).empty()); }
-
-TEST(RowCheck, RowsInAnotherOrderAreRefused) {
-  const auto sorted = [](const RowMatrix& theta, std::span<const std::uint32_t> seeds) {
-    std::vector<double> x = sound(theta, seeds);
-    std::ranges::sort(x);
-    return x;
-  };
-  const std::string message = message_of<InputError>([&] { check(sorted); });
-  EXPECT_NE(message.find("in another order"), std::string::npos) << message;
-  EXPECT_NE(message.find("40 rows"), std::string::npos) << message;
+  EXPECT_TRUE(has(warnings[0], part));
 }
 
 // Half of the rows are 0: whose they are can't be told.
@@ -84,17 +71,7 @@ TEST(RowCheck, RowsInAnotherOrderAreRefusedWhereManyAreTheSame) {
   };
   EXPECT_TRUE(check(clipped).empty());
   const std::string message = message_of<InputError>([&] { check(reversed); });
-  EXPECT_NE(message.find("in another order"), std::string::npos) << message;
-}
-
-TEST(RowCheck, NoiseThatNoSeedNamesIsTold) {
-  std::uint32_t count = 0;
-  const auto unseeded = [&](const RowMatrix& theta, std::span<const std::uint32_t>) {
-    std::vector<double> x;
-    for (Index i = 0; i < theta.rows(); ++i) x.push_back(theta(i, 0) + 0.1 * noise(++count));
-    return x;
-  };
-  expect_one(check(unseeded), "the row's seed alone");
+  EXPECT_TRUE(has(message, "in another order"));
 }
 
 TEST(RowCheck, NoiseThatRowsOfACallShareIsTold) {
@@ -105,7 +82,7 @@ TEST(RowCheck, NoiseThatRowsOfACallShareIsTold) {
   };
   const std::vector<std::string> warnings = check(shared);
   ASSERT_EQ(warnings.size(), 2u);  // they can't be repeated, either
-  EXPECT_NE(warnings[1].find("share their noise"), std::string::npos) << warnings[1];
+  EXPECT_TRUE(has(warnings[1], "share their noise"));
 }
 
 TEST(RowCheck, RowsWithoutNoiseAreToldUnlessTheStudyAddsSome) {
@@ -123,18 +100,19 @@ TEST(RowCheck, RowsWithoutNoiseAreToldUnlessTheStudyAddsSome) {
   expect_one(check(same), "whatever their seeds");
 }
 
-TEST(RowCheck, RowsThatDontDependOnAnythingAreTold) {
+// Which is told by a look at the rows alone.
+TEST(RowCheck, RowsThatAreAllTheSameArentJudged) {
   const auto constant = [](const RowMatrix& theta, std::span<const std::uint32_t>) {
     return std::vector<double>(static_cast<std::size_t>(theta.rows()), 3.0);
   };
-  expect_one(check(constant), "all rows are the same");
+  EXPECT_TRUE(check(constant).empty());
 }
 
 TEST(RowCheck, FewRowsArentJudged) {
-  const auto constant = [](const RowMatrix& theta, std::span<const std::uint32_t>) {
-    return std::vector<double>(static_cast<std::size_t>(theta.rows()), 3.0);
+  const auto exact = [](const RowMatrix& theta, std::span<const std::uint32_t>) {
+    return std::vector<double>(theta.col(0).begin(), theta.col(0).end());
   };
-  EXPECT_TRUE(check(constant, false, 7).empty());
+  EXPECT_TRUE(check(exact, false, 7).empty());
 }
 
 }  // namespace

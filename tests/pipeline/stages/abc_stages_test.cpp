@@ -1,5 +1,4 @@
 // ABC and linear regression through the stages, without the programs.
-#include <omp.h>
 
 #include <cmath>
 
@@ -18,6 +17,7 @@
 #include "pipeline/stages/stages.h"
 #include "tests/device_recordings.h"
 #include "tests/pipeline/small_study.h"
+#include "tests/pipeline/stages/run_until.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -50,30 +50,22 @@ std::string regression_study() {
       .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]"});
 }
 
-class AbcStages : public ::testing::Test {
+class AbcStages : public FolderTest {
  protected:
   Plan plan_of(const std::string& text, const std::vector<std::string>& overrides = {}) const {
     return make_plan(parse_study(text, "s.toml", overrides), WorkFolder(folder_.path()));
   }
-  static void run_all(const Plan& plan, Stage last) {
-    for (const Node& node : plan.nodes) {
-      if (node.stage <= last) run_stage(plan, node);
-    }
-  }
-
   // Later rounds need a posterior.
   static void run_first_round(const Plan& plan, Stage last) {
     for (const Node& node : plan.nodes) {
       if (node.stage <= last && node.uses.front().round <= 1) run_stage(plan, node);
     }
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(AbcStages, PopulationsGoFromRoundToRound) {
   const Plan plan = plan_of(abc_study());
-  run_all(plan, Stage::infer);
+  run_until(plan, Stage::infer);
   const auto population = [&](const char* method, Index round) {
     const Node& node = plan.node(Stage::infer, {method, 1, round});
     return read_population(open_artefact(node.path, kPosteriorSchema, node.key));
@@ -125,21 +117,6 @@ TEST_F(AbcStages, MetricsAreOfAllStatesThatAreStored) {
   }
 }
 
-TEST_F(AbcStages, DistancesHaveTheSameBitsOnAnyNumberOfThreads) {
-  const Plan plan = plan_of(abc_study());
-  run_first_round(plan, Stage::simulate);
-  const Node& node = plan.node(Stage::simulate, {"SMC", 1, 1});
-  const Target target = read_target(plan, node);
-  const int threads = omp_get_max_threads();
-  for (const auto metric : {inference::AbcDistance::rmse, inference::AbcDistance::dtw}) {
-    omp_set_num_threads(1);
-    const Vector one = metric_distances(plan, node, target, metric);
-    omp_set_num_threads(3);
-    EXPECT_EQ(metric_distances(plan, node, target, metric), one) << name_of(metric);
-    omp_set_num_threads(threads);
-  }
-}
-
 // A rod of some grams and centimeters: the integration diverges in some rows.
 TEST_F(AbcStages, FailedRowsAreNeverAccepted) {
   const std::vector<std::string> fragile = {
@@ -166,7 +143,7 @@ TEST_F(AbcStages, FailedRowsAreNeverAccepted) {
 TEST_F(AbcStages, ARegressionFindsTheTruthWithoutSimulations) {
   const Plan plan = plan_of(regression_study());
   for (const Node& node : plan.nodes) EXPECT_NE(node.stage, Stage::simulate);
-  run_all(plan, Stage::evaluate);
+  run_until(plan, Stage::evaluate);
   const ReportData data = read_report_data(plan, plan.node(Stage::report, {}));
   const EvaluatedRun& run = *data.runs_of("Regression").front();
   const Vector mean = run.evaluation.theta.colwise().mean();
@@ -196,7 +173,7 @@ TEST_F(AbcStages, RegressionOnRecordingsLeavesThePrior) {
   const Plan plan = plan_of(regression_study(), {"target.recording=" + (folder_ / "r.h5").string(),
                                                  "method.linear_regression.window=11",
                                                  "prior.pole_mass={ uniform = [0.0168, 0.0312] }"});
-  run_all(plan, Stage::infer);
+  run_until(plan, Stage::infer);
   const auto posterior = read_posterior(plan.node(Stage::infer, {"Regression", 1, 1}));
   const RowMatrix theta = posterior->sample(50, {1, "test", 0, 0, 0});
   EXPECT_LT(theta.col(2).maxCoeff(), 0.066) << "rotary_mass";

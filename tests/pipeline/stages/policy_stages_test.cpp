@@ -1,13 +1,11 @@
 #include "core/error.h"
 #include "pipeline/artefacts/policy_file.h"
-#include "pipeline/artefacts/policy_outcomes.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"
-#include "tests/message_of.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
@@ -25,13 +23,11 @@ std::string two_searches() {
                             "y = { parameter = \"gravity\", values = [9.0, 9.8, 10.0] }"});
 }
 
-class PolicyStages : public ::testing::Test {
+class PolicyStages : public FolderTest {
  protected:
   Plan plan(const std::vector<std::string>& overrides = {}) const {
     return make_plan(parse_study(two_searches(), "p.toml", overrides), WorkFolder(folder_.path()));
   }
-
-  TempFolder folder_;
 };
 
 double parameter(const Plan& plan, const RowMatrix& theta, Index row, const char* name) {
@@ -104,26 +100,6 @@ TEST_F(PolicyStages, APolicyThatLeavesTheLimitsIsSwitchedOff) {
   expect_replays(p, collected);
 }
 
-TEST_F(PolicyStages, ASearchTellsHowItWent) {
-  const Plan p = plan();
-  const Node& node = p.node(Stage::policy, {"Randomized", 1, 0, 1});
-  run_stage(p, node);
-  const FoundPolicy found = kPolicySchema.read(node);
-  const PolicyHistory& history = found.history;
-  ASSERT_EQ(history.num_rows(), 3) << "before each of two iterations, and after the last";
-  EXPECT_EQ(history.candidate_return.rows(), 2);
-  EXPECT_EQ(history.candidate_return.cols(), 3);
-  EXPECT_EQ(history.num_rollouts, (2 * (3 + 1) + 1) * 2 * 2);
-  EXPECT_EQ(history.policies.row(2), found.policy.transpose());
-  const auto task = make_task(p.study);
-  // By way of its logarithm and back.
-  EXPECT_LT((history.policies.row(0).transpose() - first_policy(p.study, task->info())).norm(),
-            1e-12);
-  EXPECT_NE(history.policies.row(0), history.policies.row(2));
-  EXPECT_GT(history.mean_return.minCoeff(), 0.0);
-  EXPECT_LE(history.mean_return.maxCoeff(), 60.0);
-}
-
 TEST_F(PolicyStages, ATestIsWhatThePolicyDoesFromItsStates) {
   const Plan p = plan();
   const Node& node = p.node(Stage::policy_test, {"Point", 1, 0, 0});
@@ -156,22 +132,6 @@ TEST_F(PolicyStages, WithARecordingThereIsTheGridAlone) {
   ASSERT_TRUE(test.grid);
   const Plan without = plan({recorded.front(), "policy.grid={}"});
   EXPECT_THROW(without.node(Stage::policy_test, {"Point", 1, 0, 0}), InputError);
-}
-
-TEST_F(PolicyStages, ACheckpointOfSomethingElseIsNamed) {
-  const Plan p = plan();
-  const Node& node = p.node(Stage::policy, {"Randomized", 1, 0, 1});
-  PolicyCheckpoint checkpoint;
-  checkpoint.history.policies = RowMatrix::Zero(1, 2);
-  checkpoint.history.mean_return = checkpoint.history.success_rate =
-      checkpoint.history.completion_rate = Vector::Zero(1);
-  checkpoint.history.candidate_return = RowMatrix::Zero(1, 3);
-  checkpoint.optimizer = {1, Vector::Zero(2), RowMatrix::Identity(2, 2), RowMatrix::Zero(1, 2),
-                          Vector::Zero(1)};
-  kPolicyCheckpointSchema.write(p.work.checkpoint("policy", node.key), node.identity, checkpoint);
-  const std::string message = message_of<InputError>([&] { run_stage(p, node); });
-  EXPECT_TRUE(has(message, {p.work.checkpoint("policy", node.key).string(),
-                            "remove it and rerun stage 'policy'"}));
 }
 
 }  // namespace

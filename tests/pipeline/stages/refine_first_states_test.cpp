@@ -1,7 +1,4 @@
 // Refinement of recordings whose first states are as noisy as the others.
-#include <gtest/gtest.h>
-
-#include <cmath>
 
 #include "inference/weighted_population.h"
 #include "pipeline/artefacts/particle_file.h"
@@ -13,6 +10,7 @@
 #include "pipeline/run/run_stage.h"
 #include "sim/observation_noise.h"
 #include "tests/pipeline/small_study.h"
+#include "tests/pipeline/stages/run_until.h"
 #include "tests/sim/library/compiled_library.h"
 #include "tests/temp_folder.h"
 
@@ -21,20 +19,17 @@ namespace {
 
 constexpr double kLength = 0.9, kDamping = 0.3;
 
-class FirstStates : public ::testing::Test {
+class FirstStates : public FolderTest {
  protected:
   Plan plan_of(const std::string& text) const {
-    return make_plan(parse_study(text, (folder_.path() / "s.toml").string()),
-                     WorkFolder(folder_.path() / "runs"));
+    return make_plan(parse_study(text, (folder_ / "s.toml").string()),
+                     WorkFolder(folder_ / "runs"));
   }
 
   // The rollouts of a truth with noise on all of their states, of so many amplitudes.
   void record(const std::string& truth, double noise, std::uint64_t seed) const {
     const Plan plan = plan_of(truth);
-    for (const Node& node : plan.nodes) {
-      if (node.stage != Stage::target) continue;
-      run_stage(plan, node);
-    }
+    run_until(plan, Stage::target);
     Target target = read_target(plan, plan.node(Stage::baseline, {}));
     const RowMatrix amplitude = sim::reference_amplitude(target);
     Stream stream({seed, "first_states_test", 0, 0, 0});
@@ -45,7 +40,7 @@ class FirstStates : public ::testing::Test {
         }
       }
     }
-    write_recording(target, folder_.path() / "recording.h5");
+    write_recording(target, folder_ / "recording.h5");
   }
 
   // Two rollouts of the pendulum.
@@ -81,9 +76,7 @@ class FirstStates : public ::testing::Test {
 
   static Found refine(const Plan& plan, const Vector& truth) {
     const Node& node = plan.node(Stage::infer, {"Refined", 1, 1});
-    for (const Node& each : plan.nodes) {
-      if (each.stage <= Stage::infer) run_stage(plan, each);
-    }
+    run_until(plan, Stage::infer);
     const h5::File file = open_artefact(node, kPosteriorSchema);
     EXPECT_EQ(inference::verdict(*read_part<inference::ImportanceCertificate>(file)), "holds");
     const auto posterior = read_particles(file);
@@ -96,34 +89,23 @@ class FirstStates : public ::testing::Test {
     return {(mean - truth).array() / deviation.array(),
             read_part<sim::ErrorMemory>(file)->excess()};
   }
-
-  TempFolder folder_;
 };
 
 // Both parameters are within four deviations: false alarms have a probability of 1e-4.
 TEST_F(FirstStates, ThatAreInferredLeaveWhiteErrorsAndTheTruth) {
   record_pendulum();
-  for (const char* noise : {"scale = 0.02", "scale_prior = [0.1, 1.0]"}) {
+  const std::string unknown = "scale_prior = [0.1, 1.0]";
+  for (const std::string& noise :
+       {std::string("scale = 0.02"), unknown, unknown + "\ncorrelation_prior = [0.5, 1.0]"}) {
     const Found found = refine(noise, ", infer_first_states = true");
     EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << noise << ": " << found.off.transpose();
     EXPECT_LT(found.excess, 1.6) << noise;
+  }
+  for (const std::string& noise : {std::string("scale = 0.02"), unknown}) {
     EXPECT_GT(refine(noise, "").excess, 2.0) << noise << ": errors of first states stay";
   }
-}
-
-TEST_F(FirstStates, OfCorrelatedNoiseAreInferred) {
-  record_pendulum();
-  const Found found = refine("scale_prior = [0.1, 1.0]\ncorrelation_prior = [0.5, 1.0]",
-                             ", infer_first_states = true");
-  EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << found.off.transpose();
-  EXPECT_LT(found.excess, 1.6);
-}
-
-TEST_F(FirstStates, CanBeInferredBesideThePower) {
-  record_pendulum();
-  const Found found =
-      refine("scale_prior = [0.1, 1.0]", ", infer_first_states = true, cross_validate = true");
-  EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << found.off.transpose();
+  const Found beside_power = refine(unknown, ", infer_first_states = true, cross_validate = true");
+  EXPECT_LT(beside_power.off.cwiseAbs().maxCoeff(), 4.0) << beside_power.off.transpose();
 }
 
 // A mass that is let go at rest answers to a push otherwise than to a pull, by its dry friction:
@@ -182,42 +164,6 @@ TEST_F(AtRest, FirstStatesThatMayNotMoveAreToldWhereFirstOrderIsTooCoarse) {
   EXPECT_TRUE(has(testing::internal::GetCapturedStderr(), "to first order, which is too coarse"));
   const h5::File file = open_artefact(plan.node(Stage::infer, {"Refined", 1, 1}), kPosteriorSchema);
   EXPECT_EQ(read_part<FirstStateMoves>(file)->count, 0);
-}
-
-TEST_F(FirstStates, NeedGaussianNoiseStatesBesideThemAndARecording) {
-  record_pendulum();
-  const std::string place = (folder_.path() / "s.toml").string() + ":";
-  // What is wrong with a study whose refinement infers first states.
-  const auto problem = [&](const std::string& noise, const std::string& segments) {
-    const std::string text =
-        pendulum_study("s")
-            .only("target", {"recording = \"recording.h5\"", "num_rollouts = 1"})
-            .with("simulator", {segments})
-            .with("observation_noise", {noise})
-            .method("Refined",
-                    {"algorithm = \"refine\"", "refine = { infer_first_states = true }"});
-    return message_of<InputError>([&] { plan_of(text); });
-  };
-  EXPECT_EQ(problem("scale = 0.1", "segment_length = 8\nstore_every = 4"), "");
-  EXPECT_TRUE(says(problem("scale = 0.1\ndegrees_of_freedom = 4", "segment_length = 0"),
-                   {place,
-                    "infer_first_states = true, must be false with "
-                    "observation_noise.degrees_of_freedom"}));
-  for (const char* segments : {"segment_length = 4\nstore_every = 4",  //
-                               "segment_length = 10\nstore_every = 4"}) {
-    EXPECT_TRUE(
-        says(problem("scale = 0.1", segments), {place,
-                                                "infer_first_states = true, must be false, or "
-                                                "simulator.segment_length"}));
-  }
-}
-
-TEST(FirstStatesOfStudies, OfSimulatedTargetsAreExact) {
-  const std::string of_truth =
-      pendulum_study("s")
-          .with("observation_noise", {"scale = 0.1"})
-          .method("Refined", {"algorithm = \"refine\"", "refine = { infer_first_states = true }"});
-  EXPECT_TRUE(says(problems_of(of_truth), {"s.toml:", "must be false with target.truth"}));
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 // Refinement through the stages, against a grid.
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,13 +12,14 @@
 #include "pipeline/features/observation.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/findings/data.h"
-#include "pipeline/predictions/power_weights.h"
+#include "pipeline/predictions/left_out.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/run/run_stage.h"
 #include "sim/noise_likelihood.h"
 #include "sim/observation_noise.h"
 #include "tests/pipeline/small_study.h"
+#include "tests/pipeline/stages/run_until.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
@@ -53,18 +53,11 @@ TEST(WeightsAtPower, AreThoseOfTheLikelihoodsPower) {
   EXPECT_NEAR(cut(7), std::exp(0.0) / 10.0, 1e-9) << "a tenth of the sum, which is its own";
 }
 
-class RefineStage : public ::testing::Test {
+class RefineStage : public FolderTest {
  protected:
-  Plan plan_of(const std::string& text, const std::string& work = "runs") const {
-    return make_plan(parse_study(text, "s.toml"), WorkFolder(folder_.path() / work));
+  Plan plan_of(const std::string& text, const std::vector<std::string>& overrides = {}) const {
+    return make_plan(parse_study(text, "s.toml", overrides), WorkFolder(folder_ / "runs"));
   }
-  static void run_until(const Plan& plan, Stage last) {
-    for (const Node& node : plan.nodes) {
-      if (node.stage <= last) run_stage(plan, node);
-    }
-  }
-
-  TempFolder folder_;
 };
 
 // The posterior's means over u and its log Z by the trapezoidal rule.
@@ -72,6 +65,8 @@ struct GridResult {
   Vector mean;
   double log_evidence;
 };
+
+constexpr Index kSide = 150;  // of a grid, in points
 
 struct Box {
   Eigen::Array2d low, high;
@@ -84,43 +79,9 @@ struct Grid {
   double cell;
 };
 
-class GridLikelihood {
- public:
-  GridLikelihood(const Plan& plan, const Node& node)
-      : plan_(plan),
-        observation_(plan.study, read_target(plan, node)),
-        likelihood_(observation_.noise(), observation_.states()),
-        simulator_(plan.source->open(
-            {.simulator = plan.study.simulator, .target = observation_.target()})) {}
-
-  Grid on(const Box& box) const {
-    constexpr Index side = 150;
-    const Eigen::Array2d step = (box.high - box.low) / static_cast<double>(side - 1);
-    Grid grid{RowMatrix(side * side, 2), Vector(side * side), step.prod()};
-    for (Index i = 0; i < grid.u.rows(); ++i) {
-      const Eigen::Array2d at(static_cast<double>(i / side), static_cast<double>(i % side));
-      grid.u.row(i) = (box.low + step * at).matrix().transpose();
-    }
-    const inference::Prior prior(plan_.study.prior);
-    const sim::Trajectories rows = simulator_->simulate(
-        plan_.source->parameters().complete(prior.to_theta(grid.u)), StreamId{});
-    for (Index i = 0; i < grid.u.rows(); ++i) {
-      grid.log_density(i) = likelihood_.log_likelihood(rows.row(i)) -
-                            0.5 * grid.u.row(i).squaredNorm() - std::log(2.0 * M_PI);
-    }
-    return grid;
-  }
-
- private:
-  const Plan& plan_;
-  Observation observation_;
-  sim::NoiseLikelihood likelihood_;
-  std::unique_ptr<RowSimulator> simulator_;
-};
-
 // Where a coarse grid isn't e^30 below its highest value, and its next points.
 Box narrowed(const Box& box, const Grid& coarse) {
-  const Eigen::Array2d step = (box.high - box.low) / 149.0;
+  const Eigen::Array2d step = (box.high - box.low) / static_cast<double>(kSide - 1);
   const double least = coarse.log_density.maxCoeff() - 30.0;
   Box result{box.high, box.low};
   for (Index i = 0; i < coarse.u.rows(); ++i) {
@@ -132,12 +93,31 @@ Box narrowed(const Box& box, const Grid& coarse) {
 }
 
 GridResult on_grid(const Plan& plan, const Node& node) {
-  const GridLikelihood likelihood(plan, node);
+  const Observation observation(plan.study, read_target(plan, node));
+  const sim::NoiseLikelihood likelihood(observation.noise(), observation.states());
+  const auto simulator =
+      plan.source->open({.simulator = plan.study.simulator, .target = observation.target()});
+  const inference::Prior prior(plan.study.prior);
+  const auto likelihood_on = [&](const Box& box) {
+    const Eigen::Array2d step = (box.high - box.low) / static_cast<double>(kSide - 1);
+    Grid grid{RowMatrix(kSide * kSide, 2), Vector(kSide * kSide), step.prod()};
+    for (Index i = 0; i < grid.u.rows(); ++i) {
+      const Eigen::Array2d at(static_cast<double>(i / kSide), static_cast<double>(i % kSide));
+      grid.u.row(i) = (box.low + step * at).matrix().transpose();
+    }
+    const sim::Trajectories rows =
+        simulator->simulate(plan.source->parameters().complete(prior.to_theta(grid.u)), StreamId{});
+    for (Index i = 0; i < grid.u.rows(); ++i) {
+      grid.log_density(i) = likelihood.log_likelihood(rows.row(i)) -
+                            0.5 * grid.u.row(i).squaredNorm() - std::log(2.0 * M_PI);
+    }
+    return grid;
+  };
   Box box{{-6.0, -6.0}, {6.0, 6.0}};
-  Grid grid = likelihood.on(box);
+  Grid grid = likelihood_on(box);
   for (int i = 0; i < 2; ++i) {
     box = narrowed(box, grid);
-    grid = likelihood.on(box);
+    grid = likelihood_on(box);
   }
   const double highest = grid.log_density.maxCoeff();
   const Vector weights = (grid.log_density.array() - highest).exp();
@@ -172,29 +152,6 @@ TEST_F(RefineStage, AgreesWithAGridFromAnyStart) {
             << noise << method;
       }
     }
-  }
-}
-
-TEST_F(RefineStage, IsShownWithItsCertificate) {
-  const Plan plan = plan_of(study_with("scale = 0.2"));
-  for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::report) run_stage(plan, node);
-  }
-  const ReportData data = read_report_data(plan, plan.nodes.back());
-  const analysis::Table table = refinement_table(data).value();
-  ASSERT_EQ(table.rows.size(), 2u);
-  const char* methods[] = {"Refined", "Prior"};
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Node& node = plan.node(Stage::infer, {methods[i], 1, 1});
-    const auto certificate =
-        read_part<inference::ImportanceCertificate>(open_artefact(node, kPosteriorSchema));
-    ASSERT_TRUE(certificate.has_value());
-    const std::vector<analysis::Cell>& cells = table.rows[i].cells;
-    EXPECT_EQ(std::get<analysis::MeanStd>(cells[0].value).mean, certificate->log_evidence);
-    EXPECT_EQ(std::get<double>(cells[1].value), certificate->ess);
-    EXPECT_EQ(std::get<double>(cells[3].value), certificate->missed_share);
-    EXPECT_EQ(std::get<double>(cells[5].value), 1.0) << "power";
-    EXPECT_EQ(std::get<std::string>(cells[7].value), inference::verdict(*certificate));
   }
 }
 
@@ -240,9 +197,7 @@ double error_at_truth(const Plan& plan, Index channel) {
 // Four of these and 7 %.
 TEST_F(RefineStage, NoiseThatIsInferredIsInTheReport) {
   const Plan plan = plan_of(study_with("scale_prior = [0.2, 1.0]"));
-  for (const Node& node : plan.nodes) {
-    if (node.stage != Stage::report) run_stage(plan, node);
-  }
+  run_until(plan, Stage::evaluate);
   const ReportData data = read_report_data(plan, plan.nodes.back());
   const analysis::Table table = noise_table(data).value();
   ASSERT_EQ(table.rows.size(), 2u);
@@ -338,20 +293,6 @@ TEST_F(RefineStage, SimulationsThatFailAreCounted) {
   run_until(plan, Stage::report);
   const std::string report = text_of(folder_ / "runs/refine/report.html");
   EXPECT_TRUE(has(report, "count as impossible parameters"));
-}
-
-TEST_F(RefineStage, KeysDependOnWhatThePosteriorDoes) {
-  const std::string text = study_with("scale = 0.2");
-  const auto key = [&](const std::vector<std::string>& overrides) {
-    return make_plan(parse_study(text, "s.toml", overrides), WorkFolder(folder_.path()))
-        .node(Stage::infer, {"Refined", 1, 1})
-        .key;
-  };
-  const std::string before = key({});
-  EXPECT_NE(key({"observation_noise.scale=0.3"}), before);
-  EXPECT_NE(key({"observation_noise.degrees_of_freedom=4"}), before);
-  EXPECT_NE(key({"method.refine.likelihood_power=0.5"}), before);
-  EXPECT_NE(key({"method.num_simulations=600"}), before) << "of the method that it starts from";
 }
 
 }  // namespace

@@ -1,17 +1,18 @@
-// Refinements that share their rows with helpers. tests/cli/helpers_test.cpp has several processes.
-#include "pipeline/stages/refined_rows.h"
-
-#include <gtest/gtest.h>
+// Rows of refinements: shared with helpers, or of programs of the user.
 
 #include <algorithm>
 #include <numeric>
+#include <sstream>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
+#include "pipeline/plan/plan.h"
 #include "pipeline/run/run_stage.h"
+#include "pipeline/stages/refined_rows.h"
 #include "pipeline/stages/stages.h"
-#include "tests/message_of.h"
+#include "tests/pipeline/small_study.h"
+#include "tests/pipeline/stages/run_until.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 
@@ -56,26 +57,21 @@ std::string study_text() {
       .with("cluster", {"refine_tasks = 2"});
 }
 
-class RefinedRowsOfAStudy : public ::testing::Test {
+class RefinedRowsOfAStudy : public FolderTest {
  protected:
   RefinedRowsOfAStudy()
       : plan_(plan_of("runs")),
         node_(plan_.node(Stage::infer, {"Refined", 1, 1})),
         rows_(plan_.work.asked_rows(node_.key)) {
-    make_target(plan_);
+    run_until(plan_, Stage::target);
   }
 
   Plan plan_of(const std::string& work) const {
     return make_plan(parse_study(study_text(), "s.toml"), WorkFolder(folder_ / work));
   }
-  static void make_target(const Plan& plan) {
-    for (const Node& node : plan.nodes) {
-      if (node.stage == Stage::target) run_stage(plan, node);
-    }
-  }
   std::string digest_alone() const {
     const Plan plan = plan_of("alone");
-    make_target(plan);
+    run_until(plan, Stage::target);
     run_stage(plan, plan.node(Stage::infer, {"Refined", 1, 1}));
     return content_digest(plan.node(Stage::infer, {"Refined", 1, 1}).path);
   }
@@ -88,16 +84,10 @@ class RefinedRowsOfAStudy : public ::testing::Test {
     return message_of<InputError>([&] { help_refinement(plan_, node_, {1, 1}, 0.0); });
   }
 
-  TempFolder folder_;
   Plan plan_;
   const Node& node_;
   fs::path rows_;
 };
-
-TEST_F(RefinedRowsOfAStudy, AHelperThatNobodyAsksEnds) {
-  EXPECT_EQ(help_refinement(plan_, node_, {1, 2}, 0.0), 0);
-  EXPECT_TRUE(fs::is_directory(rows_));
-}
 
 TEST_F(RefinedRowsOfAStudy, AHelperGivesUpWithoutATarget) {
   const Plan plan = plan_of("empty");
@@ -208,6 +198,57 @@ TEST_F(RefinedRowsOfAStudy, OnlyRefinementsAreHelped) {
   fs::create_directories(rows_);
   EXPECT_EQ(run_helper(plan_, node_, {1, 1}), 0) << "it is complete";
   EXPECT_FALSE(fs::exists(rows_));
+}
+
+// x = a, and no number where a > 0.97, or 0.5 once there is a file `bad`; a line with the number of
+// its rows for each call.
+constexpr const char* kSimulator = R"sh(
+most=0.97; test ! -e bad || most=0.5
+awk -F, -v most=$most 'NR > 1 { if ($1 > most) print "nan"; else print $1 } END { print NR - 1 >> "calls" }' "$1" > "$2"
+)sh";
+
+class RefinedPrograms : public FolderTest {
+ protected:
+  RefinedPrograms() {
+    folder_.file("x_o.csv", "x\n0.96\n");
+    folder_.file("simulate.sh", kSimulator);
+  }
+
+  Plan plan_of(const std::string& max_failed_fraction) const {
+    const std::string text = command_study("program")
+                                 .only("prior", {"a = { uniform = [0.0, 1.0] }"})
+                                 .with("observation_noise", {"std = { x = 0.1 }"})
+                                 .with("simulate", {"shard_size = 100"})
+                                 .with("limits", {"max_failed_fraction = " + max_failed_fraction})
+                                 .method("Prior", {"algorithm = \"refine\"",
+                                                   "refine = { level_size = 1000, min_ess = 300 }"})
+                                 .with("evaluate", {"num_samples = 20"});
+    return make_plan(parse_study(text, folder_ / "s.toml"), WorkFolder(folder_ / "work"));
+  }
+};
+
+// They begin after the simulations of the prior, which were fine.
+TEST_F(RefinedPrograms, StopAtTooManyFailures) {
+  const Plan plan = plan_of("0.05");
+  const std::string message = message_of<FailedRolloutsError>(
+      [&] {
+        for (const Node& node : plan.nodes) {
+          if (node.stage == Stage::infer) folder_.file("bad", "");
+          run_stage(plan, node);
+        }
+      },
+      &folder_);
+  EXPECT_TRUE(has(message, "a refinement takes their parameters for impossible"));
+}
+
+// Between two calls a checkpoint can be written.
+TEST_F(RefinedPrograms, AreCalledWithAShardAtMost) {
+  run_until(plan_of("1"), Stage::evaluate);
+  std::istringstream calls(text_of(folder_ / "calls"));
+  Index most = 0;
+  for (Index rows = 0; calls >> rows;) most = std::max(most, rows);
+  EXPECT_GT(most, 0);
+  EXPECT_LE(most, 100);
 }
 
 }  // namespace

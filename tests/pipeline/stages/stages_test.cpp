@@ -1,38 +1,24 @@
 #include "pipeline/stages/stages.h"
-#include "pipeline/artefacts/diagnosis_file.h"
-#include "pipeline/artefacts/proposal_file.h"
-#include "pipeline/features/observation.h"
-#include "pipeline/features/targets.h"
-#include "pipeline/plan/completeness.h"
-#include "pipeline/run/run_stage.h"
 
-#include "pipeline/artefacts/checkpoint_file.h"
+#include "pipeline/artefacts/network_file.h"
+#include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/posterior_file.h"
+#include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
+#include "pipeline/features/observation.h"
+#include "pipeline/features/targets.h"
 #include "pipeline/findings/data.h"
+#include "pipeline/plan/completeness.h"
 #include "pipeline/report/registry.h"
+#include "pipeline/run/run_stage.h"
 #include "sim/observation_noise.h"
 #include "tests/pipeline/small_study.h"
+#include "tests/pipeline/stages/run_until.h"
 #include "tests/temp_folder.h"
 
 namespace npdr::pipeline {
 namespace {
-
-TEST(Stages, AMissingInputNamesTheProgramThatMakesIt) {
-  const TempFolder folder;
-  const Plan plan =
-      make_plan(parse_study(kStudyText, "s.toml", {"study.seeds=[1]"}), WorkFolder(folder.path()));
-  const auto message = [&](const Node& node) {
-    return message_of<InputError>([&] { require_inputs(plan, node); });
-  };
-  EXPECT_TRUE(says(message(plan.node(Stage::baseline, {})),
-                   {"baseline needs 'target', which isn't there",
-                    "run npdr-propose on this study first, or npdr run"}));
-  EXPECT_TRUE(says(message(plan.node(Stage::report, {})),
-                   {"report needs 'baseline', which isn't there",
-                    "run npdr-evaluate on this study first, or npdr run"}));
-}
 
 // Two methods that differ in their names alone.
 std::string twins() {
@@ -46,24 +32,31 @@ std::string twins() {
       .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]"});
 }
 
-class SmallStages : public ::testing::Test {
+class SmallStages : public FolderTest {
  protected:
   Plan plan_of(const std::vector<std::string>& overrides = {}) const {
     return make_plan(parse_study(twins(), "twins.toml", overrides), WorkFolder(folder_.path()));
   }
 
-  static void run_all(const Plan& plan, Stage last) {
-    for (const Node& node : plan.nodes) {
-      if (node.stage <= last) run_stage(plan, node);
-    }
+  // Of rollouts of a Furuta pendulum, with noise.
+  Plan furuta_plan(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> all = {"simulator.name=furuta",
+                                    "simulator.store_every=25",
+                                    "target.num_rollouts=2",
+                                    "prior={ pole_mass = { uniform = [0.0168, 0.0312] } }",
+                                    "target.truth={ pole_mass = 0.03 }",
+                                    "method.embedding={ kind = 'all_steps', downsample = 25 }",
+                                    "evaluate.leave_out=2",
+                                    "study.seeds=[1]",
+                                    "observation_noise.scale=0.1"};
+    all.insert(all.end(), more.begin(), more.end());
+    return plan_of(all);
   }
-
-  TempFolder folder_;
 };
 
 TEST_F(SmallStages, TwinMethodsCountEachSampleOnce) {
   const Plan plan = plan_of();
-  run_all(plan, Stage::evaluate);
+  run_until(plan, Stage::evaluate);
   const ReportData data = read_report_data(plan, plan.node(Stage::report, {}));
   EXPECT_EQ(data.methods, (std::vector<std::string>{"A", "B"}));
   for (const std::string& method : data.methods) {
@@ -79,12 +72,8 @@ double number_of(const analysis::Cell& cell) {
 }
 
 TEST_F(SmallStages, PredictionsOfFoldsAndBaselinesAreScored) {
-  const Plan plan = plan_of(
-      {"simulator.name=furuta", "simulator.store_every=25", "target.num_rollouts=2",
-       "prior={ pole_mass = { uniform = [0.0168, 0.0312] } }", "target.truth={ pole_mass = 0.03 }",
-       "method.embedding={ kind = 'all_steps', downsample = 25 }", "evaluate.leave_out=2",
-       "study.seeds=[1]", "observation_noise.scale=0.1"});
-  run_all(plan, Stage::evaluate);
+  const Plan plan = furuta_plan();
+  run_until(plan, Stage::evaluate);
   run_stage(plan, plan.node(Stage::baseline, {}));
   const ReportData data = read_report_data(plan, plan.node(Stage::report, {}));
   ASSERT_EQ(data.folds.size(), 4u) << "two of each method";
@@ -119,11 +108,7 @@ RowMatrix noise_of(const Plan& plan, const Target& target) {
 }
 
 TEST_F(SmallStages, ARolloutOfASimulatedTargetIsObservedOnce) {
-  const Plan plan = plan_of(
-      {"simulator.name=furuta", "simulator.store_every=25", "target.num_rollouts=2",
-       "target.held_out=1", "prior={ pole_mass = { uniform = [0.0168, 0.0312] } }",
-       "target.truth={ pole_mass = 0.03 }", "evaluate.leave_out=2", "study.seeds=[1]",
-       "method.embedding={ kind = 'all_steps', downsample = 25 }", "observation_noise.scale=0.1"});
+  const Plan plan = furuta_plan({"target.held_out=1"});
   for (const Node& node : plan.nodes) {
     if (node.stage == Stage::target || node.stage == Stage::held_out) run_stage(plan, node);
   }
@@ -152,12 +137,12 @@ TEST_F(SmallStages, TheLimitOfFailuresHoldsForSimulationsThatAreThere) {
                     "limits.max_failed_fraction=" + limit});
   };
   const Plan lenient = with_limit("1");
-  run_all(lenient, Stage::simulate);
+  run_until(lenient, Stage::simulate);
   const Plan strict = with_limit("0");
   const Node& infer = strict.node(Stage::infer, {"A", 1, 1});
   ASSERT_EQ(infer.key, lenient.node(Stage::infer, {"A", 1, 1}).key);
   EXPECT_THROW(run_stage(strict, infer), FailedRolloutsError);
-  run_all(lenient, Stage::evaluate);
+  run_until(lenient, Stage::evaluate);
   // The posteriors are there now; the report is what is made anew.
   EXPECT_THROW(run_stage(strict, strict.node(Stage::report, {})), FailedRolloutsError);
 }
@@ -165,7 +150,7 @@ TEST_F(SmallStages, TheLimitOfFailuresHoldsForSimulationsThatAreThere) {
 TEST_F(SmallStages, ADiagnosisHoldsWhatItWasAskedFor) {
   const Plan plan = plan_of({"diagnose={ num_simulations = 40, num_samples = 50 }",
                              "method.num_simulations=60", "study.seeds=[1]"});
-  run_all(plan, Stage::diagnose);
+  run_until(plan, Stage::diagnose);
   const Diagnosis all = kDiagnosisSchema.read(plan.node(Stage::diagnose, {"A", 1, 0}));
   EXPECT_EQ(all.num_simulations + all.num_failed, 40);
   EXPECT_EQ(all.sbc->ranks.rows(), all.num_simulations);
@@ -180,7 +165,7 @@ TEST_F(SmallStages, ADiagnosisHoldsWhatItWasAskedFor) {
 
   const Plan some = plan_of({"diagnose={ checks = ['training', 'coverage'], num_simulations = 40 }",
                              "method.num_simulations=60", "study.seeds=[1]"});
-  run_all(some, Stage::diagnose);
+  run_until(some, Stage::diagnose);
   const Diagnosis two = kDiagnosisSchema.read(some.node(Stage::diagnose, {"A", 1, 0}));
   EXPECT_TRUE(two.coverage && two.training);
   EXPECT_FALSE(two.sbc || two.tarp || two.local_c2st || two.predictive || two.ood);
@@ -190,7 +175,7 @@ TEST_F(SmallStages, ADiagnosisHoldsWhatItWasAskedFor) {
 TEST_F(SmallStages, CalibrationHasDrawsOfItsOwn) {
   const Plan plan = plan_of(
       {"diagnose={ num_simulations = 40 }", "method.num_simulations=40", "study.seeds=[1]"});
-  run_all(plan, Stage::simulate);
+  run_until(plan, Stage::simulate);
   const RowMatrix first =
       read_proposal(open_proposal(plan.node(Stage::propose, {"A", 1, 1})), {0, 40});
   const RowMatrix fresh =
@@ -213,7 +198,7 @@ inference::TrainingState state_of(const VectorF& parameters) {
 TEST_F(SmallStages, TrainingGoesOnFromItsCheckpoint) {
   const Plan plan = plan_of();
   const Node& infer = plan.node(Stage::infer, {"A", 1, 1});
-  run_all(plan, Stage::infer);
+  run_until(plan, Stage::infer);
   const VectorF weights = read_network_posterior(infer.path)->parts().parameters;
   std::filesystem::remove(infer.path);
 

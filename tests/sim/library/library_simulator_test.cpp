@@ -30,6 +30,14 @@ Target rollouts(Index count, Index steps) {
   return target;
 }
 
+// With the seeds 0, 1, 2 and so on.
+Trajectories replay(const LibrarySimulator& simulator, const Segments& segments,
+                    const RowMatrix& theta, Index store_every = 1) {
+  std::vector<std::uint32_t> seeds(static_cast<std::size_t>(theta.rows()));
+  std::iota(seeds.begin(), seeds.end(), 0u);
+  return simulator.replay(segments, store_every, theta, seeds);
+}
+
 class Libraries : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -57,9 +65,8 @@ class Libraries : public ::testing::Test {
     return states;
   }
 
-  static TempFolder* folder_;
+  inline static TempFolder* folder_ = nullptr;
 };
-TempFolder* Libraries::folder_ = nullptr;
 
 TEST_F(Libraries, DontEndTheProgram) {
   const auto source = folder_->file("exits.c", R"c(#include <stdlib.h>
@@ -89,8 +96,7 @@ TEST_F(Libraries, ReplaySegmentsFromTheirRecordedStates) {
   EXPECT_EQ(segments.past, (std::vector<std::int64_t>{0, 10, 20, 0, 10, 20}));
   RowMatrix theta(2, 4);
   theta << 1.0, 20.0, 0.3, 0.2, 2.0, 5.0, 0.1, 0.0;
-  const std::vector<std::uint32_t> seeds = {1, 2};
-  const Trajectories x = simulator.replay(segments, 5, theta, seeds);
+  const Trajectories x = replay(simulator, segments, theta, 5);
   ASSERT_EQ(x.num_steps, 5);
   for (Index i = 0; i < 2; ++i) {
     const RowMatrix expected = by_hand(segments, theta.row(i));
@@ -109,12 +115,10 @@ TEST_F(Libraries, GiveTheSameBitsHoweverRowsAreBatched) {
   const Segments segments = cut(rollouts(2, 40), 0);
   RowMatrix theta(100, 4);
   for (Index i = 0; i < 100; ++i) theta.row(i) << 1.0, 10.0 + static_cast<double>(i), 0.3, 0.2;
-  std::vector<std::uint32_t> seeds(100);
-  std::iota(seeds.begin(), seeds.end(), 0u);
-  const Trajectories all = simulator.replay(segments, 1, theta, seeds);
+  const Trajectories all = replay(simulator, segments, theta);
   for (const Index i : {0, 31, 32, 99}) {
-    const Trajectories one = simulator.replay(
-        segments, 1, theta.row(i), std::span(seeds).subspan(static_cast<std::size_t>(i)));
+    const std::vector<std::uint32_t> seed = {static_cast<std::uint32_t>(i)};
+    const Trajectories one = simulator.replay(segments, 1, theta.row(i), seed);
     EXPECT_TRUE(std::ranges::equal(one.row(0), all.row(i))) << i;
   }
 }
@@ -123,8 +127,7 @@ TEST_F(Libraries, RowsOutsideOfLimitsAreNotSimulated) {
   const LibrarySimulator simulator({spring()});
   RowMatrix theta(3, 4);
   theta << 1.0, 20.0, 0.3, 0.2, -1.0, 20.0, 0.3, 0.2, 1.0, 1e300, 0.3, 0.2;
-  const std::vector<std::uint32_t> seeds = {1, 2, 3};
-  const Trajectories x = simulator.replay(cut(rollouts(1, 50), 0), 1, theta, seeds);
+  const Trajectories x = replay(simulator, cut(rollouts(1, 50), 0), theta);
   EXPECT_EQ(x.status, (std::vector<RolloutStatus>{RolloutStatus::ok, RolloutStatus::out_of_limits,
                                                   RolloutStatus::diverged}));
   EXPECT_TRUE(std::isnan(x.row(1)[0]) && std::isnan(x.row(2).back()));
@@ -135,10 +138,8 @@ TEST_F(Libraries, TargetsWithOtherChannelsAreAnError) {
   Target target = rollouts(1, 5);
   target.action_channels.clear();
   target.rollouts[0].actions.resize(5, 0);
-  const std::vector<std::uint32_t> seeds = {1};
-  EXPECT_THROW(simulator.replay(cut(target, 0), 1, RowMatrix::Ones(1, 4), seeds), InputError);
-  EXPECT_THROW(simulator.replay(cut(rollouts(1, 5), 0), 1, RowMatrix::Ones(1, 3), seeds),
-               ShapeError);
+  EXPECT_THROW(replay(simulator, cut(target, 0), RowMatrix::Ones(1, 4)), InputError);
+  EXPECT_THROW(replay(simulator, cut(rollouts(1, 5), 0), RowMatrix::Ones(1, 3)), ShapeError);
 }
 
 // A library that does what `settings` say. The first letters of its settings are what it is asked
@@ -255,9 +256,8 @@ class HostileLibraries : public ::testing::Test {
     return bare(message_of<InputError>([&] { LibrarySimulator({library}); }));
   }
 
-  static TempFolder* folder_;
+  inline static TempFolder* folder_ = nullptr;
 };
-TempFolder* HostileLibraries::folder_ = nullptr;
 
 TEST_F(HostileLibraries, FilesThatAreNoLibraryAreAnError) {
   EXPECT_TRUE(says(message_of<InputError>([] { LibrarySimulator({"/nowhere/mine.so"}); }),

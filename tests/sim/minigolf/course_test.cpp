@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 namespace npdr::sim {
 namespace {
@@ -23,15 +22,6 @@ TEST(Course, DistanceFromABoxIsThatOfItsFootprint) {
   EXPECT_DOUBLE_EQ(Footprint(box).distance(1.5, 2.0), 0.2);
   EXPECT_DOUBLE_EQ(Footprint(box).distance(1.0, 1.5), 0.4);
   EXPECT_DOUBLE_EQ(Footprint(box).distance(1.6, 2.5), 0.5);
-}
-
-TEST(Course, ABoxTurnedByPiIsTheSameBox) {
-  const CourseBox box = {0.3, 0.1, 0.1, 1.0, 2.0, 0.4};
-  CourseBox turned = box;
-  turned.yaw += std::numbers::pi;
-  for (double x = 0.0; x < 2.0; x += 0.17) {
-    EXPECT_NEAR(Footprint(box).distance(x, 1.7), Footprint(turned).distance(x, 1.7), 1e-15);
-  }
 }
 
 TEST(Course, ABallAtTheNominalStartIsFreeAtNominalParameters) {

@@ -63,19 +63,6 @@ TEST(Minigolf, ARowDependsOnNothingButItsTheta) {
   omp_set_num_threads(omp_get_num_procs());
 }
 
-TEST(Minigolf, TheTruthReplaysItsOwnTarget) {
-  const Minigolf simulator({.name = "minigolf"});
-  const Vector truth = complete_theta(simulator, {{"ball_radius", 0.0231}});
-  const Target target = simulator.behave(truth, 2, 7);
-  const Trajectories result = simulator.replay(target, truth.transpose());
-  ASSERT_EQ(result.status[0], RolloutStatus::ok);
-  for (Index h = 0; h < 2; ++h) {
-    const RowMatrix expected = target.rollouts[std::size_t(h)].states.bottomRows(800);
-    EXPECT_LT((result.rollout(0, h).cast<double>() - expected).cwiseAbs().maxCoeff(), 1e-6);
-  }
-  EXPECT_NE(target.rollouts[0].states, target.rollouts[1].states);
-}
-
 TEST(Minigolf, AnObstacleTurnedByPiIsTheSame) {
   const Minigolf simulator({.name = "minigolf"});
   const Target target = simulator.behave(complete_theta(simulator, {}), 1, 1);

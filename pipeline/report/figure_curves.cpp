@@ -1,0 +1,107 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "analysis/curve_plot.h"
+#include "core/text.h"
+#include "pipeline/report/figure_parts.h"
+#include "pipeline/report/policy_parts.h"
+#include "pipeline/report/registry.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Curves jump where a new iteration of the loop has inferred another posterior.
+std::string new_beliefs(const ReportData& data) {
+  std::string text;
+  for (const std::string& name : drawn_methods(data.policy_methods())) {
+    const MethodConfig& method = data.plan.study.method(name);
+    if (method.num_iterations == 1) continue;
+    text +=
+        fmt::format(" {}: under {} posteriors, one after the other, for {} each.", name,
+                    method.num_iterations, counted(method.policy_iterations, "search iteration"));
+  }
+  return text;
+}
+
+// Returns of the policy before each search iteration, those of all iterations of the loop one after
+// the other, and after the last.
+Vector learning_curve(const ReportData& data, const std::string& method, std::uint64_t seed) {
+  Vector curve;
+  for (const PolicyHistory* history : histories_of(data, method, seed)) {
+    const Index kept = std::max<Index>(0, curve.size() - 1);
+    curve.conservativeResize(kept + history->mean_return.size());
+    curve.tail(history->mean_return.size()) = history->mean_return;
+  }
+  return curve;
+}
+
+analysis::Curve curve_of(const ReportData& data, const std::string& method) {
+  RowMatrix experiments;
+  for (const std::uint64_t seed : data.seeds) {
+    const Vector curve = learning_curve(data, method, seed);
+    experiments.conservativeResize(curve.size(), experiments.cols() + 1);
+    experiments.rightCols(1) = curve;
+  }
+  const Index length = experiments.rows();
+  const Vector x = Vector::LinSpaced(length, 0.0, static_cast<double>(length - 1));
+  return analysis::curve_of(method, x, experiments);
+}
+
+bool has_powers(const EvaluatedRun& run) { return run.notes.powers.power.size() > 0; }
+
+// The drawn methods that chose a power, as far as their first seed tells.
+std::vector<std::string> methods_with_powers(const ReportData& data) {
+  std::vector<std::string> methods = drawn_methods(data.methods);
+  std::erase_if(methods,
+                [&](const auto& method) { return !has_powers(*data.runs_of(method).front()); });
+  return methods;
+}
+
+// Means over rollouts, with a standard error to either side.
+analysis::Curve curve_of(const std::string& method, const PowerScores& scores) {
+  const Vector mean = scores.crps.rowwise().mean();
+  Vector error(mean.size());
+  for (Index i = 0; i < error.size(); ++i) error(i) = scores.standard_error(i);
+  return {method, scores.power.array().log10(), mean, mean - error, mean + error};
+}
+
+}  // namespace
+
+/// Learning curves of the searches for policies.
+std::optional<ReportedFigure> learning_figure(const ReportData& data) {
+  if (!has_policies(data)) return std::nullopt;
+  analysis::CurvePlot plot{"policy_learning", "search iteration", "mean return", {}};
+  for (const std::string& method : drawn_methods(data.policy_methods())) {
+    plot.curves.push_back(curve_of(data, method));
+  }
+  return {{figure_of(plot),
+           fmt::format("Return of the current policy under what its method believes, mean and "
+                       "standard deviation over {}.{}",
+                       data.experiments(), new_beliefs(data))}};
+}
+
+/// Scores of the powers of the likelihood that refinements chose from, of the first seed.
+std::optional<ReportedFigure> power_figure(const ReportData& data) {
+  const std::vector<std::string> methods = methods_with_powers(data);
+  if (methods.empty()) return std::nullopt;
+  analysis::CurvePlot plot{"powers", "log10 of the power", "CRPS with noise", {}};
+  std::vector<std::string> taken;
+  for (const std::string& method : methods) {
+    const PosteriorNotes& notes = data.runs_of(method).front()->notes;
+    plot.curves.push_back(curve_of(method, notes.powers));
+    const double chosen = notes.certificate->wanted_power;
+    taken.push_back(fmt::format("{:.3g} ({}{})", chosen, method,
+                                chosen <= notes.powers.power(0) ? ", none smaller was tried" : ""));
+  }
+  return {
+      {figure_of(plot),
+       fmt::format(
+           "How well the posterior without a rollout predicts that rollout, by the power of the "
+           "likelihood: mean over the rollouts that inference sees, and its standard error, "
+           "seed {}. Chosen was the smallest power that is about as good as any: {}.",
+           data.seeds.front(), join(taken))}};
+}
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,168 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "analysis/figure.h"
+#include "analysis/interval_plot.h"
+#include "analysis/pair_plot.h"
+#include "analysis/report.h"
+#include "core/normal.h"
+#include "core/quantile.h"
+#include "inference/prior.h"
+#include "pipeline/report/figure_parts.h"
+#include "pipeline/report/registry.h"
+#include "pipeline/report/table_parts.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// Nominal, truth and the first references.
+std::vector<analysis::MarkedPoint> marked_points(const ReportData& data) {
+  using analysis::LegendMark, analysis::LineStyle;
+  std::vector<analysis::MarkedPoint> points;
+  const auto mark = [&](const std::string& name, LegendMark shape, const char* color,
+                        LineStyle line) {
+    const auto found = std::ranges::find(data.baseline.points, name, &BaselinePoint::name);
+    if (found != data.baseline.points.end()) {
+      points.push_back({name, found->theta, shape, color, line});
+    }
+  };
+  mark("nominal", LegendMark::triangle, analysis::kNominalColor, LineStyle::dashed);
+  mark("truth", LegendMark::diamond, analysis::kTruthColor, LineStyle::solid);
+  const auto& references = data.plan.study.references;
+  for (std::size_t i = 0; i < std::min(references.size(), analysis::kMaxReferences); ++i) {
+    mark(references[i].name, LegendMark::square, analysis::kReferenceColors[i],
+         LineStyle::dash_dotted);
+  }
+  return points;
+}
+
+// The prior's distribution function at theta (n, D), of the shown parameters.
+RowMatrix place_in_prior(const inference::Prior& prior, const RowMatrix& theta,
+                         const std::vector<Index>& shown) {
+  return prior.to_normal(theta)(Eigen::all, shown).unaryExpr([](double u) {
+    return normal_cdf(u);
+  });
+}
+
+// "pole_mass [kg]", and a line for each method: "NPE: 0.812, 90 % in [0.31, 1.02]".
+std::string tip_of(const ReportData& data, Index d) {
+  const inference::Marginal& parameter = data.plan.study.prior[static_cast<std::size_t>(d)];
+  std::string words = fmt::format("{} [{}]", parameter.name, parameter.unit);
+  for (const std::string& method : data.methods) {
+    const RowMatrix quantiles = interval_quantiles(unwrapped_samples_of(data, method, d));
+    words += fmt::format("\n{}: {:.3g}, 90 % in [{:.3g}, {:.3g}]", method, quantiles(0, 2),
+                         quantiles(0, 0), quantiles(0, 4));
+  }
+  return words;
+}
+
+// Samples of all seeds; a periodic parameter's lie on the side of their mean, up to the border.
+RowMatrix samples_within(const ReportData& data, const std::string& method) {
+  RowMatrix theta;
+  for (Index d = 0; d < std::ssize(data.plan.study.prior); ++d) {
+    const inference::Marginal& parameter = data.plan.study.prior[static_cast<std::size_t>(d)];
+    const Vector samples = unwrapped_samples_of(data, method, d);
+    theta.conservativeResize(samples.size(), d + 1);
+    theta.col(d) = samples.cwiseMax(parameter.lower()).cwiseMin(parameter.upper());
+  }
+  return theta;
+}
+
+analysis::IntervalPlot plot_of(const ReportData& data) {
+  const Study& study = data.plan.study;
+  const inference::Prior prior(study.prior);
+  const std::vector<Index> shown = shown_parameters(study);
+  analysis::IntervalPlot plot;
+  plot.name = "intervals";
+  plot.title = "place in the prior: share of it that lies below";
+  for (const Index d : shown) {
+    plot.parameters.push_back(study.prior[static_cast<std::size_t>(d)].name);
+    plot.tips.push_back(tip_of(data, d));
+  }
+  for (const std::string& method : drawn_methods(data.methods)) {
+    plot.sets.push_back(
+        {method, interval_quantiles(place_in_prior(prior, samples_within(data, method), shown))});
+  }
+  plot.points = marked_points(data);
+  for (analysis::MarkedPoint& point : plot.points) {
+    point.place = place_in_prior(prior, point.place.transpose(), shown).transpose().eval();
+  }
+  return plot;
+}
+
+std::string note_on_periods(const ReportData& data) {
+  const std::vector<Index> shown = shown_parameters(data.plan.study);
+  const bool has_any = std::ranges::any_of(shown, [&](Index d) { return data.period_of(d) > 0.0; });
+  return has_any ? " Of a periodic parameter, up to the border of its range." : "";
+}
+
+// Values of a parameter as they are drawn; NaN where a log has none.
+Vector drawn(const inference::Marginal& m, const Vector& values) {
+  return m.is_log() ? Vector(values.array().log10()) : values;
+}
+
+// Where the methods' samples are, within the prior; an unbounded one is shown over three
+// deviations.
+analysis::PairParameter axis_of(const analysis::PairPlot& plot, const inference::Marginal& m,
+                                Index d) {
+  const auto [low, high] = m.central_range(3.0);
+  const Vector most = drawn(m, Vector{{low, high}});
+  analysis::Range range;
+  for (const analysis::SampleSet& set : plot.sets) {
+    const std::vector<double> sorted = sorted_finite(set.samples.col(d));
+    if (sorted.empty()) continue;
+    for (const double level : {0.005, 0.995}) range.add(quantile_of_sorted(sorted, level));
+  }
+  range = range.widened(0.15);
+  const double lower = std::clamp(range.lower, most(0), most(1));
+  const double upper = std::clamp(range.upper, most(0), most(1));
+  const std::string label = m.is_log() ? "log₁₀ " + m.name : m.name;
+  if (!(lower < upper)) return {label, m.unit, most(0), most(1)};
+  return {label, m.unit, lower, upper};
+}
+
+}  // namespace
+
+/// Credible intervals of each method's posterior within the prior.
+std::optional<ReportedFigure> interval_figure(const ReportData& data) {
+  if (!has_posteriors(data)) return std::nullopt;
+  const analysis::IntervalPlot plot = plot_of(data);
+  analysis::IntervalPlot narrow = plot;
+  narrow.name += "_narrow";
+  narrow.width = analysis::kNarrowWidth;
+  return {{figure_of(plot),
+           fmt::format("What the posteriors say of each parameter, all seeds: median, 50 % "
+                       "interval (thick) and 90 % interval, within what the prior allows "
+                       "(grey).{}{}",
+                       note_on_periods(data), left_out_parameters(data.plan.study)),
+           figure_of(narrow)}};
+}
+
+/// Pair plot of the first seed's posterior samples of each method.
+std::optional<ReportedFigure> pair_figure(const ReportData& data) {
+  if (!has_posteriors(data)) return std::nullopt;
+  analysis::PairPlot plot;
+  plot.name = "pair_plot";
+  for (const std::string& method : drawn_methods(data.methods)) {
+    plot.sets.push_back({method, data.runs_of(method).front()->evaluation.theta});
+  }
+  plot.points = marked_points(data);
+  Index d = 0;
+  for (const inference::Marginal& m : data.plan.study.prior) {
+    for (analysis::SampleSet& set : plot.sets) {
+      set.samples.col(d) = drawn(m, set.samples.col(d)).eval();
+    }
+    for (analysis::MarkedPoint& point : plot.points) {
+      point.place(d) = drawn(m, point.place.segment(d, 1))(0);
+    }
+    plot.parameters.push_back(axis_of(plot, m, d));
+    ++d;
+  }
+  plot.selection = shown_parameters(data.plan.study);
+  return {{figure_of(plot), fmt::format("Posterior samples of seed {}, where they are.{}",
+                                        data.seeds.front(), left_out_parameters(data.plan.study))}};
+}
+
+}  // namespace npdr::pipeline

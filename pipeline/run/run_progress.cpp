@@ -1,0 +1,113 @@
+#include "pipeline/run/run_progress.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/text.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/process/progress.h"
+
+namespace npdr::pipeline {
+namespace {
+
+const std::string kAnyMethod = "(any)";
+
+std::string counts(const RunProgress& run) {
+  return fmt::format("{} of {} artefacts", run.num_made, run.num_missing);
+}
+
+// "01:24, 00:31 left"; "01:24" where what is left isn't known, or nothing.
+std::string time_text(const RunProgress& run) {
+  const std::string passed = clock_text(run.seconds);
+  if (run.seconds_left.value_or(0.0) <= 0.0) return passed;
+  return passed + ", " + clock_text(*run.seconds_left) + " left";
+}
+
+}  // namespace
+
+RunCosts::RunCosts(const Plan& plan) : plan_(plan) {
+  for (const Node& node : plan.nodes) {
+    if (node.stage == Stage::report || !is_complete(plan, node)) continue;
+    if (means_.contains({node.stage, node.uses.front().method})) continue;
+    try {
+      learn(node, read_artefact_info(node.path).provenance.cost.core_seconds);
+    } catch (const Error&) {
+      // Damaged: whoever needs it says so.
+    }
+  }
+}
+
+double RunCosts::size_of(const Node& node) const {
+  return node.stage == Stage::simulate ? static_cast<double>(num_rows(plan_, node)) : 1.0;
+}
+
+void RunCosts::learn(const Node& node, double core_seconds) {
+  for (const std::string& method : {node.uses.front().method, kAnyMethod}) {
+    Mean& mean = means_[{node.stage, method}];
+    mean.sum += core_seconds;
+    mean.count += size_of(node);
+  }
+}
+
+std::optional<double> RunCosts::expected(const Node& node) const {
+  for (const std::string& method : {node.uses.front().method, kAnyMethod}) {
+    const auto known = means_.find({node.stage, method});
+    if (known != means_.end()) return size_of(node) * known->second.sum / known->second.count;
+  }
+  return std::nullopt;
+}
+
+void WorkLeft::add(Stage stage, std::optional<double> core_seconds) {
+  if (core_seconds) {
+    known_ += *core_seconds;
+    ++num_known_;
+  } else {
+    ++num_unknown_[stage];
+  }
+}
+
+std::optional<double> WorkLeft::share_done(double done, Index num_made) const {
+  const bool has_several =
+      std::ranges::any_of(num_unknown_, [](const auto& s) { return s.second > 1; });
+  const Index num_unknown = std::ssize(num_unknown_);
+  // A report costs less than others do.
+  const Index num_doubtful = num_unknown - (num_unknown_.contains(Stage::report) ? 1 : 0);
+  if (has_several || num_doubtful > num_known_) return std::nullopt;
+  const Index num_others = num_known_ + num_made;
+  if (num_unknown > 0 && num_others == 0) return std::nullopt;
+  const double each = num_others > 0 ? (known_ + done) / static_cast<double>(num_others) : 0.0;
+  const double rest = known_ + static_cast<double>(num_unknown) * each;
+  return done + rest > 0.0 ? done / (done + rest) : 0.0;
+}
+
+std::string silence_text(double seconds) {
+  constexpr double usual = 60.0;
+  return seconds < usual ? "" : ", nothing new for " + clock_text(seconds);
+}
+
+std::vector<std::string> live_lines(const RunProgress& run, const TerminalSize& size) {
+  const int bar_width = size.columns < 60 ? 12 : 24;
+  const std::string percent = run.share ? fmt::format("{:3.0f} % ", 100.0 * *run.share) : "";
+  std::vector<std::string> lines = {fmt::format("{} {} {}{}, {}", run.study,
+                                                bar(run.share.value_or(0.0), bar_width), percent,
+                                                time_text(run), counts(run))};
+  constexpr std::size_t rows_of_others = 3;
+  const auto rows = static_cast<std::size_t>(size.rows);
+  if (run.jobs.size() + rows_of_others <= rows) {
+    for (const std::string& job : run.jobs) lines.push_back("  " + job);
+  } else if (!run.jobs.empty() && rows > rows_of_others) {
+    lines.push_back(fmt::format("  {} jobs: {}", run.jobs.size(), run.jobs.front()));
+  }
+  return lines;
+}
+
+std::string log_line(const RunProgress& run) {
+  const std::string percent = run.share ? fmt::format("{:.0f} %, ", 100.0 * *run.share) : "";
+  std::string text = fmt::format("{}: {}{} [{}]", run.study, percent, counts(run), time_text(run));
+  for (const std::string& job : run.jobs) text += " | " + job;
+  return text;
+}
+
+}  // namespace npdr::pipeline
