@@ -87,9 +87,8 @@ template <class Fields>
 void describe(Fields& f, inference::AbcConfig& c) {
   choice(f, "distance", c.distance, "of features, or a metric of trajectories");
   f("quantile", c.quantile, interval(">", 0, "<=", 1),
-    "the nearest simulations that are accepted, as a share of round 1, or for \"abc_smc\" (0.5 "
-    "when "
-    "left out) of the last population");
+    "the nearest simulations that are accepted, as a share of round 1, or for \"abc_smc\" "
+    "(0.5 when left out) of the last population");
   f("epsilon", c.epsilon, not_negative(),
     "largest distance that is accepted; 0: by quantile; \"abc_smc\" ends there");
   f("smooth", c.smooth, anything<bool>(),

@@ -37,18 +37,14 @@ class NoiseChecker : Checker {
   void require_all(const std::map<std::string, double>& deviations,
                    std::vector<std::string> missing) {
     const ObservationNoise& noise = study_.observation_noise;
-    if (missing.empty()) {  // features may not be known yet
-      for (const auto& [label, deviation] : deviations) missing.push_back(label);
+    const std::string needed = "algorithm 'refine' needs noise in each channel";
+    for (const auto& [label, deviation] : deviations) {
+      require("observation_noise.std." + label, deviation, deviation != 0.0, "> 0: " + needed);
     }
-    const bool have_others = noise.scale > 0.0 || noise.scale_prior;
-    std::erase_if(missing, [&](const std::string& label) {
-      const auto given = deviations.find(label);
-      return given == deviations.end() ? have_others : given->second != 0.0;
-    });
-    if (missing.empty()) return;
+    std::erase_if(missing, [&](const std::string& label) { return deviations.contains(label); });
+    if (missing.empty() || noise.scale > 0.0 || noise.scale_prior) return;
     reading_.reject("observation_noise.std", "without " + join(missing),
-                    "> 0 for each channel, or beside a scale or scale_prior of the others: "
-                    "algorithm 'refine' needs noise in each channel");
+                    "of all channels, or beside a scale or scale_prior of the others: " + needed);
   }
 };
 

@@ -89,6 +89,17 @@ Findings find_exact_channels(const Subject& s) {
                   join(exact), source.is_built_in ? "" : "unless the simulator draws it, "));
 }
 
+// Of motion the scale is a share of what was recorded; features' noise may be anything.
+Findings find_loud_noise(const Subject& s) {
+  const ObservationNoise& noise = s.study.observation_noise;
+  if (!s.study.source().gives_motion || noise.scale < 1.0 || noise.std) return {};
+  return s.warn("observation_noise.scale",
+                fmt::format("observation_noise.scale = {}: noise as large as the motion leaves "
+                            "little to infer from; it is a share of each channel's largest "
+                            "magnitude, such as 0.02",
+                            noise.scale));
+}
+
 Findings find_recorded_states(const Subject& s) {
   const bool compares = std::ranges::any_of(
       s.study.evaluate.metrics, [](Metric m) { return m == Metric::rmse || m == Metric::dtw; });
@@ -134,11 +145,12 @@ Findings find_unknown_program(const Subject& s) {
                                   path, quoted(command), quoted(program)));
 }
 
-constexpr std::array<Probe<Subject>, 6> kProbes = {{
+constexpr std::array<Probe<Subject>, 7> kProbes = {{
     {"truth_outside", find_truth_outside,
      [](const Subject& s) { return s.study.target.truth.has_value(); }},
     {"reference_outside", find_references_outside},
     {"recording_without_noise", find_exact_channels},
+    {"loud_noise", find_loud_noise},
     {"recorded_states_compared", find_recorded_states},
     {"checks_left_out", find_checks_left_out},
     {"unknown_program", find_unknown_program,

@@ -204,6 +204,12 @@ std::string contradiction_of_seeds(const MethodResults& m) {
       join(parameters), advice_to_learn(m.method));
 }
 
+// Whether there are rollouts to leave out, or some are.
+bool can_hold_out(const MethodResults& m) {
+  return (m.study.source().gives_motion && m.data.target.num_rollouts() > 1) || m.data.held_out ||
+         !m.data.folds.empty();
+}
+
 // Which other methods of the study are far from this one, each with the parameter about which it is
 // farthest. Empty where none is.
 std::string contradiction_of_methods(const MethodResults& m) {
@@ -216,9 +222,8 @@ std::string contradiction_of_methods(const MethodResults& m) {
   if (others.empty()) return "";
   return fmt::format(
       "contradicts {} (distance of their means, in deviations): at most one of two is right, or "
-      "the simulator lacks something that each makes up for in its own way; held-out rollouts "
-      "tell which predicts better",
-      join(others));
+      "the simulator lacks something that each makes up for in its own way{}",
+      join(others), can_hold_out(m) ? "; held-out rollouts tell which predicts better" : "");
 }
 
 }  // namespace

@@ -63,8 +63,14 @@ void add_new(std::vector<std::string>& all, const std::vector<std::string>& more
 constexpr double kSmallPower = 0.05;
 
 // What a power says of the simulator, where the recording hardly counts.
-std::string words_of_power(double power) {
+std::string words_of_power(double power, bool is_chosen) {
   if (power >= kSmallPower) return "";
+  if (!is_chosen) {
+    return fmt::format(
+        "the recording hardly counts, at refine.likelihood_power = {:.2g}: raise it, unless "
+        "simulator or noise lack something",
+        power);
+  }
   return fmt::format(
       "the recording hardly counts, at a power of {:.2g}, the smallest that predicts left-out "
       "rollouts about as well as any: simulator or noise lack something, or rollouts are too few "
@@ -88,7 +94,9 @@ Finding pass_certificates(const MethodResults& m, const std::string& text, doubl
                   "the largest power that was reached predicts rollouts that are left out best, "
                   "and larger ones may do better: raise refine.max_simulations");
   }
-  return passes(text, words_of_power(power));
+  const bool is_chosen = std::ranges::any_of(
+      m.runs, [](const EvaluatedRun* run) { return run->notes.powers.power.size() > 0; });
+  return passes(text, words_of_power(power, is_chosen));
 }
 
 // Of refined posteriors: the certificates of their draws.

@@ -118,8 +118,7 @@ Finding warning_of(const Target& target, const RatePair& pair, const Bend& bend,
   const std::string& position = label_of(target, pair.position);
   return warning(fmt::format(
       "{}: {} may be off by {:.3g} [{}] in row {}: a sample near it is wrong, missing or repeated, "
-      "or "
-      "{} bends too much for {} samples; correct it, leave these rows out, or give a shorter "
+      "or {} bends too much for {} samples; correct it, leave these rows out, or give a shorter "
       "window, which is noisier, --differentiate={}{}",
       target.rollouts[bend.rollout].name, rate, bend.difference, unit, bend.row + 1, position,
       window, std::max(kShortest, (window + 1) / 4 * 2 + 1),

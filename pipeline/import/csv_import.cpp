@@ -97,16 +97,26 @@ void name_rollouts(const std::vector<std::filesystem::path>& paths, Target& targ
   }
 }
 
-std::string words_of_resampling(const std::vector<CsvRows>& files, double dt) {
+// Also of a grid that is much finer than the samples, of which rates are taken over a part of one.
+Findings find_in_resampling(const std::vector<CsvRows>& files, double dt) {
+  constexpr double least = 0.5;
+  double usual = 0.0;  // of the slowest file
   TimeSteps all = steps_of(files.front().times);
   for (const CsvRows& rows : files) {
     const TimeSteps steps = steps_of(rows.times);
     all.shortest = std::min(all.shortest, steps.shortest);
     all.longest = std::max(all.longest, steps.longest);
+    usual = std::max(usual, steps.median);
   }
-  return fmt::format(
+  Findings found = {note(fmt::format(
       "resampled to {} s: steps were {:.4g} to {:.4g} s; lines between them count as measured", dt,
-      all.shortest, all.longest);
+      all.shortest, all.longest))};
+  if (dt < least * usual) {
+    found.push_back(warning(
+        fmt::format("--resample {} is finer than the samples, {:.4g} s apart: give {:.3g} or more",
+                    dt, usual, usual)));
+  }
+  return found;
 }
 
 // A rollout that counts twice makes posteriors narrower than they are.
@@ -224,9 +234,7 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
   append(found, unwrap_turns(target, options.unwrap));
   Findings turns = find_turns(target);
   make_even(target, files, options);
-  if (options.resample) {
-    found.push_back(note(words_of_resampling(files, *options.resample)));
-  }
+  if (options.resample) append(found, find_in_resampling(files, *options.resample));
   const CsvRows& first = files.front();
   if (options.differentiate) {
     append(found,

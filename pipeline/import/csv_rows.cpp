@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <functional>
 #include <iterator>
 #include <optional>
 
@@ -25,6 +26,7 @@ struct Column {
   std::optional<std::size_t> index;
   double factor = 1.0;
   Channel channel;
+  bool is_guess = false;  // of a clock beside --dt: it is none unless it increases
 
   double number(const NumberTable& table) const {
     return index ? factor * table.finite_number(*index, kNoHoles) : 0.0;
@@ -73,12 +75,15 @@ class ColumnFinder {
   Column state(const Channel& channel) const {
     if (has(channel.label)) return column(channel);
     for (const Channel& position : options_.channels.states) {
-      if (!is_rate_of(channel, position) || !has(position.label)) continue;
-      if (options_.differentiate) {
+      if (channel.label != position.label + "_dot" || !has(position.label)) continue;
+      const bool is_rate = is_rate_of(channel, position);
+      if (is_rate && options_.differentiate) {
         return {{}, 1.0, {channel.label, rate_unit(column(position).channel.unit)}};
       }
-      throw InputError(fmt::format("{}; --differentiate computes it of '{}'",
-                                   lack_of(channel.label), position.label));
+      throw InputError(fmt::format(
+          "{}; --differentiate computes it of '{}'{}", lack_of(channel.label), position.label,
+          is_rate ? ""
+                  : fmt::format(" in [{}], not in [{}]", rate_unit(position.unit), channel.unit)));
     }
     throw InputError(lack_of(channel.label));
   }
@@ -132,20 +137,23 @@ class ColumnFinder {
     return (name == "t" || has_word) && !is_channel(found.label);
   }
 
-  // 't' or 'time'; else, without --dt, the only one in [s], as it is or by its scale, whose name
-  // is a clock's.
+  // 't' or 'time'; else the only one in [s], as it is or by its scale, whose name is a clock's.
   std::optional<Column> time() const {
     for (const char* label : {"t", "time"}) {
       if (has(label) && !is_channel(label)) return column({label, "s"});
     }
-    if (options_.dt) return std::nullopt;
     std::vector<std::string> clocks, in_seconds;
     for (const Channel& found : table_.columns()) {
       if (!is_called_clock(found)) continue;
       clocks.push_back(found.label);
       if (found.unit == "s" || scale_of(found.label) != nullptr) in_seconds.push_back(found.label);
     }
-    if (in_seconds.size() == 1) return column({in_seconds.front(), "s"});
+    if (in_seconds.size() == 1) {
+      Column clock = column({in_seconds.front(), "s"});
+      clock.is_guess = options_.dt.has_value();
+      return clock;
+    }
+    if (options_.dt) return std::nullopt;
     std::string candidates;
     if (!clocks.empty()) {
       candidates = fmt::format(" (is it {}? Call it t; --scale t=FACTOR makes it seconds)",
@@ -219,6 +227,10 @@ std::vector<RatePair> lacking_rates(const std::vector<Column>& states) {
   return pairs;
 }
 
+bool increases(const std::vector<double>& times) {
+  return std::ranges::adjacent_find(times, std::greater_equal()) == times.end();
+}
+
 RowMatrix matrix(const std::vector<double>& values, Index rows, std::size_t width) {
   return Eigen::Map<const RowMatrix>(values.data(), rows, static_cast<Index>(width));
 }
@@ -228,8 +240,12 @@ RowMatrix matrix(const std::vector<double>& values, Index rows, std::size_t widt
 CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& options) {
   NumberTable table(path, Header::with_units, options.format);
   const ColumnFinder finder(table, options);
-  const Columns columns = finder.all();
-  const Values values = read_values(table, columns);
+  Columns columns = finder.all();
+  Values values = read_values(table, columns);
+  if (columns.time && columns.time->is_guess && !increases(values.times)) {
+    columns.time.reset();
+    values.times.clear();
+  }
   CsvRows rows;
   rows.name = table.name();
   rows.states = channels_of_columns(columns.states);

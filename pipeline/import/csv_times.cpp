@@ -33,9 +33,8 @@ std::string place_of(const CsvRows& rows, std::size_t row) {
   return fmt::format("{}:{}: {}", rows.name, row + 2, rows.time_place);
 }
 
-// Advice where times increase, but unevenly.
+// Advice where times increase unevenly.
 std::string resample_hint(const TimeSteps& steps) {
-  if (!(steps.shortest > 0.0)) return "";
   if (steps.longest > kLongestGap * steps.median) {
     return fmt::format("; its steps are {:.4g} to {:.4g} s: cut the file where too much is missing",
                        steps.shortest, steps.longest);
@@ -47,13 +46,16 @@ std::string resample_hint(const TimeSteps& steps) {
 // A lost line is found where it is missing.
 void require_steps(const CsvRows& rows, double least, double most, const std::string& advice) {
   const std::vector<double> steps = differences(rows.times);
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (steps[i] > 0.0 && steps[i] >= least && steps[i] <= most) continue;
+  const auto refuse = [&](auto step, const std::string& problem) {
+    if (step == steps.end()) return;
+    const auto row = static_cast<std::size_t>(step - steps.begin()) + 1;
     throw InputError(
-        fmt::format("{} is {:.6g} after the line before, must be {:.4g} to {:.4g}: times must "
-                    "increase{}",
-                    place_of(rows, i + 1), steps[i], least, most, advice));
-  }
+        fmt::format("{} is {:.6g} after the line before{}", place_of(rows, row), *step, problem));
+  };
+  refuse(std::ranges::find_if(steps, [](double step) { return !(step > 0.0); }),
+         ": times must increase; remove the row if it is repeated");
+  refuse(std::ranges::find_if(steps, [&](double step) { return step < least || step > most; }),
+         fmt::format(", must be {:.4g} to {:.4g}{}", least, most, advice));
 }
 
 bool is_same_step(const CsvRows& rows, double step, double dt) {
@@ -65,15 +67,15 @@ bool is_same_step(const CsvRows& rows, double step, double dt) {
 double mean_step(const CsvRows& rows) {
   const std::vector<double>& times = rows.times;
   const TimeSteps steps = steps_of(times);
-  const std::string advice = ", equally spaced" + resample_hint(steps);
+  const std::string advice = ": times must be equally spaced" + resample_hint(steps);
   require_steps(rows, (1.0 - 2.0 * kTimeTolerance) * steps.median,
                 (1.0 + 2.0 * kTimeTolerance) * steps.median, advice);
   const double dt = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
   for (std::size_t row = 0; row < times.size(); ++row) {
     const double expected = times.front() + static_cast<double>(row) * dt;
     if (std::abs(times[row] - expected) <= kTimeTolerance * dt) continue;
-    throw InputError(fmt::format("{} = {}, must be {:.6g}: times must increase{}",
-                                 place_of(rows, row), times[row], expected, advice));
+    throw InputError(fmt::format("{} = {}, must be {:.6g}{}", place_of(rows, row), times[row],
+                                 expected, advice));
   }
   return dt;
 }

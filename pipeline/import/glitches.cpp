@@ -71,8 +71,7 @@ Findings find_glitches(const Target& recording) {
       const Index t = glitches.front();
       found.push_back(warning(fmt::format(
           "{}: {} = {:.6g} in row {} alone, between {:.4g} and {:.4g}{}: a glitch of the sensor? "
-          "It "
-          "sets the channel's magnitude, of which noise and errors are shares; correct it, or "
+          "It sets the channel's magnitude, of which noise and errors are shares; correct it, or "
           "leave its row out and add --resample DT",
           rollout.name, recording.state_channels[static_cast<std::size_t>(c)].label, values(t),
           t + 1, values(t - 1), values(t + 1),
@@ -105,8 +104,7 @@ std::string words_of_leaps(const std::string& label, const Vector& position,
   const Index t = steps.front();
   return fmt::format(
       "{} leaps by {:.3g} in the step after {:.6g} s{}, {}: samples are missing or wrong, the "
-      "sensor "
-      "stood still, or it wraps there; correct these rows, or cut the rollout there",
+      "sensor stood still, or it wraps there; correct these rows, or cut the rollout there",
       label, position(t + 1) - position(t), static_cast<double>(t) * dt,
       steps.size() > 1 ? fmt::format(" (and {} times more)", steps.size() - 1) : "", reason);
 }

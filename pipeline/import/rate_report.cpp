@@ -43,6 +43,7 @@ struct CheckedPair {
   std::vector<std::string> leaps = {};            // of each, in words; "": none
   std::optional<double> ratio = {};               // that all of them share that say anything; not 1
   Index num_spikes = 0;                           // of the rate, where the position wraps
+  std::string swap = "";                          // of columns, in words; "": none
 };
 
 bool are_near(double a, double b) { return std::abs(a - b) < kAlike * std::abs(b); }
@@ -67,16 +68,23 @@ std::string first_leap(const CheckedPair& pair, const Vector& position, const Ve
       fmt::format("{} says by {:.3g}", pair.rate.label, 0.5 * dt * (rate(t) + rate(t + 1))));
 }
 
+// Without jumps by whole turns, which are told elsewhere.
+Vector unwrapped(const Target& target, const Rollout& rollout, Index c) {
+  Vector values = rollout.states.col(c);
+  const AngleJumps jumps =
+      find_jumps(values, target.state_channels[static_cast<std::size_t>(c)].unit);
+  if (!jumps.rows.empty()) unwrap(values, jumps.period);
+  return values;
+}
+
 CheckedPair checked(const Target& target, const RatePair& pair) {
   CheckedPair result{.position = target.state_channels[static_cast<std::size_t>(pair.position)],
                      .rate = target.state_channels[static_cast<std::size_t>(pair.rate)]};
   std::vector<double> ratios;
   bool are_all_scaled = true;
   for (const Rollout& rollout : target.rollouts) {
-    Vector position = rollout.states.col(pair.position);
+    const Vector position = unwrapped(target, rollout, pair.position);
     const Vector rate = rollout.states.col(pair.rate);
-    const AngleJumps jumps = find_jumps(position, result.position.unit);  // told elsewhere
-    if (!jumps.rows.empty()) unwrap(position, jumps.period);
     result.fits.push_back(fit_rate(position, rate, target.dt));
     result.leaps.push_back(first_leap(result, position, rate, target.dt));
     result.num_spikes += count_spikes(rate, target.dt, result.position.unit);
@@ -86,6 +94,38 @@ CheckedPair checked(const Target& target, const RatePair& pair) {
   }
   if (are_all_scaled) result.ratio = shared_ratio(ratios);
   return result;
+}
+
+bool agrees(const std::optional<RateFit>& fit) {
+  return !fit || verdict_of(*fit) == RateVerdict::agrees;
+}
+
+// In every rollout.
+bool is_slope(const Target& target, Index rate, Index position) {
+  return std::ranges::all_of(target.rollouts, [&](const Rollout& rollout) {
+    const std::optional<RateFit> fit =
+        fit_rate(unwrapped(target, rollout, position), rollout.states.col(rate), target.dt);
+    return fit && agrees(fit);
+  });
+}
+
+// Of a pair that doesn't agree: its position is the slope of its rate, or another rate is that of
+// its position. "": neither.
+std::string words_of_swap(const Target& target, const std::vector<RatePair>& pairs,
+                          const RatePair& pair) {
+  const auto label = [&](Index c) {
+    return target.state_channels[static_cast<std::size_t>(c)].label;
+  };
+  if (is_slope(target, pair.position, pair.rate)) {
+    return fmt::format("{} is the slope of {}: the two columns are swapped; correct the header",
+                       label(pair.position), label(pair.rate));
+  }
+  const auto other = std::ranges::find_if(pairs, [&](const RatePair& p) {
+    return p.position != pair.position && is_slope(target, p.rate, pair.position);
+  });
+  if (other == pairs.end()) return "";
+  return fmt::format("{} isn't the slope of {}, but {} is: are columns swapped? Correct the header",
+                     label(pair.rate), label(pair.position), label(other->rate));
 }
 
 bool is_known(const CheckedPair& pair) {
@@ -106,7 +146,8 @@ std::optional<double> factor_of_dt(const std::vector<CheckedPair>& pairs) {
   std::vector<double> ratios;
   for (const CheckedPair& pair : pairs) {
     if (!is_known(pair)) continue;
-    if (!pair.ratio || known_ratio(*pair.ratio, pair.position.unit) != nullptr) return std::nullopt;
+    if (!pair.ratio || !pair.swap.empty()) return std::nullopt;
+    if (known_ratio(*pair.ratio, pair.position.unit) != nullptr) return std::nullopt;
     ratios.push_back(*pair.ratio);
   }
   return shared_ratio(ratios);
@@ -168,12 +209,13 @@ std::string scale_problem(const CheckedPair& pair, double ratio) {
                      known->is_of_rate ? known->ratio : 1.0 / known->ratio);
 }
 
-std::string problem_of_fit(const CheckedPair& pair, const RateFit& fit) {
+std::string problem_of_fit(const CheckedPair& pair, const RateFit& fit,
+                           const std::string& of_options) {
   if (verdict_of(fit) == RateVerdict::unrelated) {
     return fmt::format(
-        "{} isn't the slope of {}: are columns swapped, or is it another quantity's? Correct the "
-        "header, or rename its column and add --differentiate",
-        pair.rate.label, pair.position.label);
+        "{} isn't the slope of {}: is it another quantity's? Rename its column and add "
+        "--differentiate{}",
+        pair.rate.label, pair.position.label, of_options);
   }
   return mismatch(pair, fit.ratio) + ", unlike in other files: correct this one";
 }
@@ -185,21 +227,22 @@ std::string spikes_problem(const CheckedPair& pair) {
       pair.rate.label, counted(pair.num_spikes, "row"), pair.position.label, pair.position.label);
 }
 
-Findings problems_of(const CheckedPair& pair, const Target& target) {
+Findings problems_of(const CheckedPair& pair, const Target& target, const std::string& of_options) {
   Findings found;
-  if (pair.num_spikes > 0) found.push_back(warning(spikes_problem(pair)));
-  if (pair.ratio) {
-    found.push_back(warning(scale_problem(pair, *pair.ratio)));
+  if (pair.num_spikes > 0) found.push_back(warning(spikes_problem(pair) + of_options));
+  if (!pair.swap.empty() || pair.ratio) {
+    found.push_back(
+        warning(pair.swap.empty() ? scale_problem(pair, *pair.ratio) + of_options : pair.swap));
     return found;
   }
   std::size_t count = 0;
   for (std::size_t h = 0; h < pair.fits.size(); ++h) {
     const std::optional<RateFit>& fit = pair.fits[h];
-    const bool is_slope = !fit || verdict_of(*fit) == RateVerdict::agrees;
-    if (is_slope && pair.leaps[h].empty()) continue;
+    if (agrees(fit) && pair.leaps[h].empty()) continue;
     if (++count > kMostFiles) continue;
-    found.push_back(warning(target.rollouts[h].name + ": " +
-                            (is_slope ? pair.leaps[h] : problem_of_fit(pair, *fit))));
+    found.push_back(
+        warning(target.rollouts[h].name + ": " +
+                (agrees(fit) ? pair.leaps[h] : problem_of_fit(pair, *fit, of_options))));
   }
   if (count > kMostFiles) {
     found.back().what += fmt::format(" ({} more files are like it)", count - kMostFiles);
@@ -233,14 +276,17 @@ std::string words_of_check(const CheckedPair& pair) {
 }  // namespace
 
 Findings find_in_rates(const Target& target, const std::vector<RatePair>& pairs,
-                       const std::string& time) {
+                       const std::string& time, const std::string& of_options) {
   std::vector<CheckedPair> all;
-  for (const RatePair& pair : pairs) all.push_back(checked(target, pair));
+  for (const RatePair& pair : pairs) {
+    CheckedPair& found = all.emplace_back(checked(target, pair));
+    if (!std::ranges::all_of(found.fits, agrees)) found.swap = words_of_swap(target, pairs, pair);
+  }
   if (const std::optional<double> factor = factor_of_dt(all)) {
-    return {warning(dt_problem(all, target.dt, *factor, time))};
+    return {warning(dt_problem(all, target.dt, *factor, time) + of_options)};
   }
   Findings found;
-  for (const CheckedPair& pair : all) append(found, problems_of(pair, target));
+  for (const CheckedPair& pair : all) append(found, problems_of(pair, target, of_options));
   if (!found.empty()) return found;
   for (const CheckedPair& pair : all) found.push_back(note(words_of_check(pair)));
   return found;

@@ -16,9 +16,9 @@ namespace npdr::pipeline {
 ///
 /// Compares the rates of all `pairs` with the slopes of their positions in every rollout; whole
 /// turns that an angle jumps by are left out first. `time`: the label of the column of times, empty
-/// where dt was given. A ratio that all pairs share says that dt is wrong, one near 57.3 that a
-/// column is in degrees.
+/// where dt was given; `of_options` follows messages that name options. A ratio that all pairs
+/// share says that dt is wrong, one near 57.3 that a column is in degrees.
 Findings find_in_rates(const Target& target, const std::vector<RatePair>& pairs,
-                       const std::string& time);
+                       const std::string& time, const std::string& of_options = "");
 
 }  // namespace npdr::pipeline

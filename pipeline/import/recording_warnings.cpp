@@ -15,6 +15,8 @@
 namespace npdr::pipeline {
 namespace {
 
+constexpr const char* kOfOptions = " (to npdr import; in an HDF5 file, correct the numbers)";
+
 // As --differentiate makes it: over windows so wide that it may look wrong.
 bool is_computed(const Rollout& rollout, const RatePair& pair, double dt) {
   constexpr Index widest = 201, enough = 1000;
@@ -44,8 +46,14 @@ bool is_copy(const Rollout& one, const Rollout& other) {
          one.actions == other.actions;
 }
 
+Findings find_wrapped_angles(const Target& recording) {
+  Findings found = find_turns(recording);
+  for (Finding& problem : found) problem.what += kOfOptions;
+  return found;
+}
+
 Findings find_wrong_rates(const Target& recording) {
-  Findings found = find_in_rates(recording, measured_pairs(recording), "");
+  Findings found = find_in_rates(recording, measured_pairs(recording), "", kOfOptions);
   std::erase_if(found, [](const Finding& f) { return f.severity == Severity::note; });
   return found;
 }
@@ -61,7 +69,7 @@ Findings find_copies(const Target& recording) {
 }
 
 constexpr std::array<Probe<Target>, 4> kProbes = {{
-    {"wrapped_angle", find_turns},
+    {"wrapped_angle", find_wrapped_angles},
     {"leap", find_leaps},
     {"wrong_rate", find_wrong_rates},
     {"rollout_twice", find_copies},
@@ -83,12 +91,7 @@ std::vector<std::pair<std::size_t, std::size_t>> copies_of(const Target& recordi
 
 Findings warnings_of(Target recording) {
   for (Rollout& rollout : recording.rollouts) rollout.name = "rollout " + rollout.name;
-  Findings found = find_by(kProbes, recording);
-  for (Finding& problem : found) {
-    const bool names_option = problem.what.find("--") != std::string::npos;
-    problem.what += names_option ? " (to npdr import; in an HDF5 file, correct the numbers)" : "";
-  }
-  return found;
+  return find_by(kProbes, recording);
 }
 
 }  // namespace npdr::pipeline

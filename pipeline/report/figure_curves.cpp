@@ -51,12 +51,12 @@ analysis::Curve curve_of(const ReportData& data, const std::string& method) {
 
 bool has_powers(const EvaluatedRun& run) { return run.notes.powers.power.size() > 0; }
 
-// The drawn methods that chose a power, as far as their first seed tells.
+// Drawn of the methods that chose a power, as far as their first seed tells.
 std::vector<std::string> methods_with_powers(const ReportData& data) {
-  std::vector<std::string> methods = drawn_methods(data.methods);
+  std::vector<std::string> methods = data.methods;
   std::erase_if(methods,
                 [&](const auto& method) { return !has_powers(*data.runs_of(method).front()); });
-  return methods;
+  return drawn_methods(std::move(methods));
 }
 
 // Means over rollouts, with a standard error to either side.

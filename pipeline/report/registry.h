@@ -1,5 +1,5 @@
-/// All tables and figures of a report. Adding one takes a file with its maker, and its line in the
-/// list below.
+/// All tables and figures of a report. Adding one takes its maker, beside those it is like, and its
+/// line in the list below.
 #pragma once
 
 #include <optional>

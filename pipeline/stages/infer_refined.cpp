@@ -132,10 +132,11 @@ class Refinement {
   void warn(Index failed, Index num_draws) const {
     // First states were inferred to first order where that was too coarse.
     if (is_coarse_) {
-      report_warning(node_.label(),
-                     "first states are inferred to first order, which is too coarse for this "
-                     "motion: raise refine.max_simulations, or cut shorter segments "
-                     "(simulator.segment_length)");
+      report_warning(
+          node_.label(),
+          fmt::format("first states are inferred to first order, which is too coarse for this "
+                      "motion: {}cut shorter segments (simulator.segment_length)",
+                      moves_.count < kMostMoves ? "raise refine.max_simulations, or " : ""));
     }
     if (failed == 0 || !plan_.study.source().takes_seeds) return;
     report_warning(node_.label(),

@@ -78,8 +78,8 @@ TEST_F(PosteriorCommands, DensitiesOfAStudyAreTheMeanOverItsSeeds) {
                             "--seeds", "2"})
                        .err,
                    {"npdr log-prob: runs/small/npdr-mog/seed-1/round-2/infer.h5: is "
-                    "one posterior; --seeds chooses among those of a study",
-                    "leave it out", ".toml"}));
+                    "one posterior; --method, --seeds and --set choose among those of a study",
+                    "leave them out"}));
 }
 
 TEST_F(PosteriorCommands, SampleTakesAnotherRecordingLikeThatOfTheStudy) {

@@ -45,6 +45,7 @@ void check_round(const Plan& plan, std::optional<Index> round) {
 
 // Those of the given numbers that the simulation has.
 std::vector<Index> its_shards(const Plan& plan, const Node& node, const std::vector<Index>& given) {
+  if (given.empty()) return {};  // nodes of other stages have no shards
   std::vector<Index> numbers = given;
   const Index count = num_shards(plan, node);
   std::erase_if(numbers, [&](Index number) { return number >= count; });

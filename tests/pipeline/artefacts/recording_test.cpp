@@ -208,7 +208,7 @@ TEST_F(EditedRecording, ChecksTheChannelsAgainstTheSimulators) {
             "must be theta [rad], alpha [rad], theta_dot [rad/s], alpha_dot [rad/s]"}));
   EXPECT_TRUE(says(reading_changed([](Target& target) { target.state_channels[1].unit = "deg"; }),
                    {"a.h5: dataset 'states': channels are theta [rad], alpha [deg]",
-                    "only units differ,", "correct the unit that is wrong"}));
+                    "alpha_dot [rad/s]; rename, reorder or convert its columns"}));
   EXPECT_TRUE(
       says(reading_changed([](Target& target) { target.action_channels[0].label = "torque"; }),
            {"a.h5: dataset 'actions': channels are torque [V]", "must be voltage [V]"}));
@@ -231,12 +231,11 @@ TEST_F(EditedRecording, PicksTheSimulatorsChannels) {
   widen(recorded);
   write_recording(recorded, folder_ / "wide.h5");
   expect_equal(read_recording(folder_ / "wide.h5", furuta_channels()), expected);
-  EXPECT_TRUE(
-      says(reading_changed([&](Target& target) {
-             widen(target);
-             target.state_channels[0].label = "theta";
-           }),
-           {"a.h5: dataset 'states' has two channels with the label 'theta'", "rename one"}));
+  EXPECT_TRUE(says(reading_changed([&](Target& target) {
+                     widen(target);
+                     target.state_channels[0].label = "theta";
+                   }),
+                   {"a.h5: dataset 'states': two columns have the label 'theta'"}));
 }
 
 TEST_F(EditedRecording, OfAnotherProgramIsReadAndItsNanNamed) {

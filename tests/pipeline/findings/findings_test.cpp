@@ -90,6 +90,23 @@ TEST_F(Verdicts, NothingIsInfinitelyFar) {
   EXPECT_FALSE(has(found.what, "inf"));
 }
 
+// A figure has colors for six methods, of those that have something to draw.
+TEST_F(Verdicts, PowersAreDrawnOfASeventhMethod) {
+  for (const std::string name : {"2", "3", "4", "5", "6", "7"}) {
+    data_.methods.push_back(name);
+    data_.runs.push_back(data_.runs.front());
+    data_.runs.back().use.method = name;
+  }
+  EXPECT_FALSE(power_figure(data_));
+  PosteriorNotes& notes = data_.runs.back().notes;
+  notes.powers.power = Vector{{0.1, 1.0}};
+  notes.powers.crps = RowMatrix::Ones(2, 2);
+  notes.certificate.emplace().wanted_power = 1.0;
+  const std::optional<ReportedFigure> figure = power_figure(data_);
+  ASSERT_TRUE(figure);
+  EXPECT_TRUE(has(figure->caption, "1 (7)"));
+}
+
 TEST_F(Verdicts, TheTableHasThemAll) {
   data_.diagnoses.front().result.ood->p_value = 1e-5;
   const analysis::Table table = diagnostics_table(data_).value();

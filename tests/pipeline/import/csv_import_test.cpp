@@ -182,8 +182,9 @@ TEST(Resample, TheErrorOfALineIsItsCurvature) {
 }
 
 TEST(Resample, AStepThatFillsTheMemoryIsRefused) {
-  for (const auto& [dt, said] : {std::pair{1e-9, "--resample 1e-09 makes 1e+08 steps of 2 rows"},
-                                 {1e-300, "--resample 1e-300 makes 1e+299 steps of 2 rows"}}) {
+  for (const auto& [dt, said] :
+       {std::pair{1e-9, "a.csv: --resample 1e-09 makes 1e+08 steps of 2 rows"},
+        {1e-300, "a.csv: --resample 1e-300 makes 1e+299 steps of 2 rows"}}) {
     const auto refused = [dt = dt] { even({0.0, 0.1}, dt); };
     EXPECT_TRUE(says(message_of<InputError>(refused), {said, "must make 1 to 2000"}));
   }

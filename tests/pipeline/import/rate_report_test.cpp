@@ -89,7 +89,7 @@ TEST(RateReport, NamesTheColumnAndItsFactor) {
   }
   RowMatrix& states = moved.rollouts[1].states;
   states.col(1).tail(600).array() += 3.0;
-  const std::string step = fmt::format("b.csv: alpha moves by {:.3g} in the step after 1.596 s",
+  const std::string step = fmt::format("b.csv: alpha leaps by {:.3g} in the step after 1.596 s",
                                        states(400, 1) - states(399, 1));
   const std::vector<std::pair<Target, std::vector<std::string>>> cases = {
       {with_factor(3, degrees), {"alpha changes", "--scale alpha_dot=0.0174533"}},
@@ -100,7 +100,8 @@ TEST(RateReport, NamesTheColumnAndItsFactor) {
        {"theta changes 991 times as fast", "--scale theta=0.001 or --scale theta_dot=1000"}},
       {with_factor(0, 9.85), {"theta changes", "--scale theta_dot=9.81"}},  // of gravity
       {with_factor(0, 2.0), {"theta changes", "--scale theta=", "--scale theta_dot="}},
-      {with_factor(3, -1.0), {"alpha falls where", "--scale alpha_dot=-1"}},
+      {with_factor(3, -1.0),
+       {"alpha changes", "alpha_dot [rad/s] probably has the wrong sign", "--scale alpha_dot=-1"}},
       {right_target(0.006),  // a ratio of all pairs is that of time
        {"theta changes", "alpha changes", "dt is probably 0.006 * ", "add --scale t="}},
       // Of a swing the slope of the rate, too, is nearly a multiple of the angle, and no unit's.
@@ -133,6 +134,24 @@ TEST(RateReport, NamesTheColumnAndItsFactor) {
   const auto unrelated = problems(with([](RowMatrix& s) { s.col(2) = s.col(3).eval(); }));
   ASSERT_EQ(unrelated.size(), 2u);
   EXPECT_TRUE(says(unrelated[0], {"a.csv: theta_dot isn't the slope of theta", "--differentiate"}));
+}
+
+// Of a swing of 1 rad/s the slope of the rate is the angle, with the other sign.
+TEST(RateReport, ASwapNearOneRadianPerSecondIsNoWrongSign) {
+  RowMatrix states(1000, 2);
+  for (Index t = 0; t < states.rows(); ++t) {
+    const double time = 0.01 * static_cast<double>(t);
+    states.row(t) << std::cos(time), std::sin(time);
+  }
+  const Target swapped{0.01,
+                       {{"theta", "rad"}, {"theta_dot", "rad/s"}},
+                       {},
+                       {{"a.csv", states, RowMatrix(999, 0)}},
+                       "test"};
+  const Findings all = find_in_rates(swapped, {{0, 1}}, "t");
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all.front().what,
+            "theta is the slope of theta_dot: the two columns are swapped; correct the header");
 }
 
 // An angle that turns and swings, and its rate.
@@ -189,7 +208,7 @@ TEST(RecordingWarnings, TellWhatImportsTell) {
          target.rollouts[1] = target.rollouts[0];
          target.rollouts[1].name = "b";
        },
-       "rollout b holds the same numbers as a"},
+       "rollout b holds the same numbers as rollout a"},
       // Leaps of what has no measured rate.
       {[](Target& target) {
          target.rollouts[1].states.col(0).tail(300).array() += 1.0;
@@ -203,6 +222,13 @@ TEST(RecordingWarnings, TellWhatImportsTell) {
     change(target);
     EXPECT_TRUE(has(warning(target), said));
   }
+}
+
+TEST(RecordingWarnings, NamesOfRolloutsAreNoOptions) {
+  Target target = turning();
+  target.rollouts[1] = target.rollouts[0];
+  target.rollouts[1].name = "a--b";
+  EXPECT_FALSE(has(warning(target), "npdr import"));
 }
 
 TEST(RecordingWarnings, ThereAreNoneOfComputedRates) {

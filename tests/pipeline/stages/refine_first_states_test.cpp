@@ -161,7 +161,9 @@ TEST_F(AtRest, FirstStatesThatMayNotMoveAreToldWhereFirstOrderIsTooCoarse) {
   const Plan plan = study(", max_simulations = 5000");  // enough for the levels
   testing::internal::CaptureStderr();
   refine(plan, Vector{{18.0, 0.5}});
-  EXPECT_TRUE(has(testing::internal::GetCapturedStderr(), "to first order, which is too coarse"));
+  EXPECT_TRUE(has(testing::internal::GetCapturedStderr(),
+                  "to first order, which is too coarse for this motion: raise "
+                  "refine.max_simulations, or cut shorter segments"));
   const h5::File file = open_artefact(plan.node(Stage::infer, {"Refined", 1, 1}), kPosteriorSchema);
   EXPECT_EQ(read_part<FirstStateMoves>(file)->count, 0);
 }

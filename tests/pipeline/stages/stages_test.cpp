@@ -1,7 +1,7 @@
 #include "pipeline/stages/stages.h"
 
-#include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/diagnosis_file.h"
+#include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/schemas.h"
