@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <span>
+#include <vector>
 
 #include "core/constants.h"
 #include "core/decompositions.h"
@@ -34,6 +35,8 @@ Curve curve_at(const LogIntegrand& f, const Vector& z) {
       curvature(i, j) = curvature(j, i) = -(both - up(i) - up(j) + value) / (h * h);
     }
   }
+  // Beside an end of what is possible: as the prior N(0, I) is.
+  if (!curvature.allFinite() || !gradient.allFinite()) return {Vector::Zero(k), identity};
   Cholesky factor(curvature);
   for (double ridge = 1.0; !factor.is_positive_definite() && ridge < 1e12; ridge *= 10.0) {
     factor = Cholesky(curvature + ridge * identity);
@@ -79,6 +82,49 @@ Quadrature quadrature(Index dimension) {
   return {kNodes1, kWeights1};
 }
 
+// Midpoints of equal parts of [-5, 5]: for integrands that end somewhere.
+class MidpointRule {
+ public:
+  explicit MidpointRule(Index dimension)
+      : nodes_(dimension == 1 ? 400 : 40), weights_(nodes_.size()) {
+    const double width = 10.0 / static_cast<double>(nodes_.size());
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      nodes_[i] = -5.0 + width * (static_cast<double>(i) + 0.5);
+      weights_[i] = width * std::exp(-nodes_[i] * nodes_[i]);
+    }
+  }
+  Quadrature quadrature() const { return {nodes_, weights_}; }
+
+ private:
+  std::vector<double> nodes_, weights_;
+};
+
+struct Sum {
+  double value;
+  bool is_cut;  // the integrand is 0 at a node
+};
+
+// Of exp(f - highest) over all combinations of the rule's nodes.
+Sum sum_of_nodes(const LogIntegrand& f, const Peak& peak, double highest, const Quadrature& rule) {
+  const Index k = peak.mode.size();
+  const auto per_dimension = static_cast<Index>(rule.nodes.size());
+  Index count = 1;
+  for (Index d = 0; d < k; ++d) count *= per_dimension;
+  Sum sum = {0.0, false};
+  Vector x(k);
+  for (Index i = 0; i < count; ++i) {
+    double weight = 1.0;
+    for (Index d = 0, rest = i; d < k; ++d, rest /= per_dimension) {
+      x(d) = rule.nodes[static_cast<std::size_t>(rest % per_dimension)];
+      weight *= rule.weights[static_cast<std::size_t>(rest % per_dimension)];
+    }
+    const double value = f(peak.mode + std::numbers::sqrt2 * (peak.factor * x));
+    sum.value += weight * std::exp(value - highest + x.squaredNorm());
+    sum.is_cut = sum.is_cut || value == -kInfinity;
+  }
+  return sum;
+}
+
 }  // namespace
 
 Peak find_peak(const LogIntegrand& f, const Vector& guess) {
@@ -100,22 +146,9 @@ double log_integral(const LogIntegrand& f, const Vector& guess) {
   const Peak peak = find_peak(f, guess);
   const double highest = f(peak.mode);
   if (!std::isfinite(highest)) return -kInfinity;
-  const Quadrature rule = quadrature(k);
-  const auto per_dimension = static_cast<Index>(rule.nodes.size());
-  Index count = 1;
-  for (Index d = 0; d < k; ++d) count *= per_dimension;
-  double sum = 0.0;
-  Vector x(k);
-  for (Index i = 0; i < count; ++i) {
-    double weight = 1.0;
-    for (Index d = 0, rest = i; d < k; ++d, rest /= per_dimension) {
-      x(d) = rule.nodes[static_cast<std::size_t>(rest % per_dimension)];
-      weight *= rule.weights[static_cast<std::size_t>(rest % per_dimension)];
-    }
-    const Vector z = peak.mode + std::numbers::sqrt2 * (peak.factor * x);
-    sum += weight * std::exp(f(z) - highest + x.squaredNorm());
-  }
-  return highest + std::log(sum) + 0.5 * static_cast<double>(k) * std::log(2.0) +
+  Sum sum = sum_of_nodes(f, peak, highest, quadrature(k));
+  if (sum.is_cut && k < 3) sum = sum_of_nodes(f, peak, highest, MidpointRule(k).quadrature());
+  return highest + std::log(sum.value) + 0.5 * static_cast<double>(k) * std::log(2.0) +
          peak.factor.diagonal().array().log().sum();
 }
 

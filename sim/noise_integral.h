@@ -22,7 +22,8 @@ Peak find_peak(const LogIntegrand& f, const Vector& guess);
 
 /// log of the integral of exp f, by Gauss-Hermite quadrature around the mode that a climb from
 /// `guess` ends in, with the curvature there: 7 nodes a parameter for one or two of them, 5 for
-/// three; for more Laplace's approximation, which is 1.
+/// three; for more Laplace's approximation, which is 1. Where one or two parameters have an end
+/// within reach of the nodes, by midpoints of a grid.
 double log_integral(const LogIntegrand& f, const Vector& guess);
 
 }  // namespace npdr::sim

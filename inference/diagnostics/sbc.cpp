@@ -1,11 +1,27 @@
 #include "inference/diagnostics/sbc.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <string>
 
 #include "core/error.h"
+#include "core/random.h"
 
 namespace npdr::inference {
+namespace {
+
+// A number in 0, ..., ties, of a stream that the samples seed.
+Index place_among(Index ties, const Vector& samples) {
+  std::uint64_t seed = 0;
+  for (const double value : samples) {
+    seed = std::rotl(seed, 7) * 0x9e3779b97f4a7c15U + std::bit_cast<std::uint64_t>(value);
+  }
+  Stream stream({seed, "rank_among_ties", 0, 0, 0});
+  return static_cast<Index>(stream.below(static_cast<std::uint32_t>(ties) + 1));
+}
+
+}  // namespace
 
 std::vector<Index> ranks(const RowMatrix& samples, const Vector& truth) {
   if (samples.cols() != truth.size()) {
@@ -14,7 +30,10 @@ std::vector<Index> ranks(const RowMatrix& samples, const Vector& truth) {
   }
   std::vector<Index> result;
   for (Index d = 0; d < truth.size(); ++d) {
-    result.push_back((samples.col(d).array() < truth(d)).count());
+    const auto of_parameter = samples.col(d).array();
+    const Index smaller = (of_parameter < truth(d)).count();
+    const Index ties = (of_parameter == truth(d)).count();
+    result.push_back(smaller + (ties == 0 ? 0 : place_among(ties, samples.col(d))));
   }
   return result;
 }

@@ -15,7 +15,8 @@
 namespace npdr::inference {
 
 /// Numbers of `samples` (L, D) that are smaller than truth_d, per parameter d: (D), each in 0, ...,
-/// L. Throws ShapeError when the widths differ.
+/// L. Of samples that are the same as truth_d, each number counts as smaller with equal chance.
+/// Throws ShapeError when the widths differ.
 std::vector<Index> ranks(const RowMatrix& samples, const Vector& truth);
 
 /// Tests of the uniformity of ranks, parameter by parameter, and of all together.

@@ -27,7 +27,7 @@ constexpr TrainingConfig kTraining = {.learning_rate = 2e-3,
                                       .stop_after_epochs = 10,
                                       .max_epochs = 100};
 constexpr Index kBlock = 64;       // rows that are computed together
-constexpr Index kFewestRows = 10;  // of which two validate
+constexpr Index kFewestRows = 10;  // that a network is fitted to; two of them validate
 
 // The network f, of a dimension; its weights are the proposal's.
 struct Network {
@@ -111,10 +111,6 @@ void for_each_block(Index n, const Work& work) {
 
 FlowProposal fit_flow(const RowMatrix& u, const Vector& weights, const Parameters<float>& start,
                       const StreamId& id) {
-  if (u.rows() < kFewestRows) {
-    throw InputError("flow: " + std::to_string(u.rows()) + " points, must be " +
-                     std::to_string(kFewestRows) + " or more");
-  }
   FlowProposal fit{.mean = weighted_mean(u, weights), .factor = {}, .network = {}};
   const Eigen::MatrixXd covariance = regularized_covariance(u, weights);
   const Cholesky factor(covariance);
@@ -122,6 +118,7 @@ FlowProposal fit_flow(const RowMatrix& u, const Vector& weights, const Parameter
     throw InputError("flow: the points have no covariance");
   }
   fit.factor = factor.lower();
+  if (u.rows() < kFewestRows) return fit;
   const Network network(u.cols());
   TrainingState state;
   state.parameters = start;
@@ -141,7 +138,8 @@ FlowProposal fit_flow(const RowMatrix& u, const Vector& weights, const Parameter
 
 void FlowProposal::check() const {
   const Index d = dimension(), num_weights = Network(d).layout.size();
-  if (network.size() != num_weights || factor.rows() != d || factor.cols() != d) {
+  if ((network.size() != num_weights && network.size() != 0) || factor.rows() != d ||
+      factor.cols() != d) {
     throw ShapeError("flow: " + std::to_string(network.size()) + " weights for " +
                      std::to_string(d) + " parameters, must be " + std::to_string(num_weights));
   }
@@ -162,8 +160,12 @@ Vector FlowProposal::log_density(const RowMatrix& u) const {
     const RowMatrix v = standardize(*this, rows);
     const auto scratch = f.flow.make_scratch();
     VectorF log_prob;
-    f.flow.log_prob(network, v.cast<float>(), RowMatrixF::Zero(kBlock, 1), *scratch, log_prob);
     const Vector tail = log_tail(v);
+    if (network.size() == 0) {
+      result.segment(first, count) = tail.head(count).array() - log_det;
+      return;
+    }
+    f.flow.log_prob(network, v.cast<float>(), RowMatrixF::Zero(kBlock, 1), *scratch, log_prob);
     for (Index i = 0; i < count; ++i) {
       const auto value = static_cast<double>(log_prob(i));
       const double flow = std::isfinite(value) ? value : -kInfinity;
@@ -180,12 +182,16 @@ RowMatrix FlowProposal::sample(Index n, const StreamId& id) const {
   for_each_block(n, [&](Index first, Index count) {
     StreamId row = id;
     row.row += static_cast<std::uint64_t>(first);
-    RowMatrix v = f.flow.sample(network, RowMatrixF::Zero(1, 1), kBlock, row).cast<double>();
+    const bool has_flow = network.size() > 0;
+    RowMatrix v(kBlock, dimension());
+    if (has_flow) {
+      v = f.flow.sample(network, RowMatrixF::Zero(1, 1), kBlock, row).cast<double>();
+    }
     for (Index i = 0; i < kBlock; ++i) {
       StreamId own = within(id, "flow_tail");
       own.row += static_cast<std::uint64_t>(first + i);
       Stream stream(own);
-      if (stream.uniform() < kTailShare) v.row(i) = draw_tail(dimension(), stream);
+      if (stream.uniform() < kTailShare || !has_flow) v.row(i) = draw_tail(dimension(), stream);
     }
     v = (v * factor.transpose()).eval();
     u.middleRows(first, count) = v.topRows(count).rowwise() + mean.transpose();

@@ -18,7 +18,7 @@ namespace npdr::inference {
 struct FlowProposal {
   Vector mean;                ///< (D)
   RowMatrix factor;           ///< (D, D) lower
-  Parameters<float> network;  ///< weights of f
+  Parameters<float> network;  ///< weights of f; empty: Student's t alone
 
   Index dimension() const { return mean.size(); }
   /// Throws ShapeError when the parts don't go together.
@@ -31,8 +31,9 @@ struct FlowProposal {
   bool operator==(const FlowProposal& other) const;
 };
 
-/// The fit to the rows of u (n, D), n >= 10, with weights (n) > 0, from the network `start` (empty:
-/// a fresh one). It depends on the arguments alone. Throws InputError for too few rows.
+/// The fit to the rows of u (n, D), n > D, with weights (n) > 0, from the network `start` (empty:
+/// a fresh one); Student's t alone for fewer than 10 rows. It depends on the arguments alone.
+/// Throws InputError for points without a covariance.
 FlowProposal fit_flow(const RowMatrix& u, const Vector& weights, const Parameters<float>& start,
                       const StreamId& id);
 

@@ -21,9 +21,11 @@ inline constexpr double kTailShare = 0.1;
 inline constexpr int kTailDegrees = 5;
 /// Points that teach a flow, about, at most: a fit takes seconds. By hand.
 inline constexpr Index kTrainingRows = 20'000;
-/// Points with a likelihood that a flow is fitted to, at least; the fewer where more levels
-/// wouldn't be kept. By hand: a fifth of them validates.
-inline constexpr Index kFewestPoints = 100, kFewestPointsAtEnd = 20;
+/// Points that weigh something that a flow is fitted to, at least; where more levels wouldn't be
+/// kept, two more than there are parameters are enough. By hand: a fifth of them validates.
+inline constexpr Index kFewestPoints = 100;
+/// Share of all draws without a likelihood above 0 until that is an error. By hand.
+inline constexpr double kEmptyShare = 0.1;
 /// Flows in the reported levels' proposal, and the smallest ratio of the powers that they were
 /// fitted to. By hand: fits of the same points differ by chance.
 inline constexpr Index kReportedFlows = 3;
@@ -73,6 +75,12 @@ inline constexpr double kLargestParetoK = 0.7;
 inline constexpr double kGoodEfficiency = 0.5;
 /// Share of pi that may be missed: as little as other errors of a posterior.
 inline constexpr double kMostMissed = 0.05;
+/// Share of pi that a search tells of, at least; the rest of its reasons are in weight_search.h.
+inline constexpr double kLeastFound = 0.01;
+/// Draws of a search, as a share of all before it. By hand.
+inline constexpr double kSearchShare = 0.1;
+/// Searches, each after what the one before has found was learned. By hand.
+inline constexpr Index kMostSearches = 4;
 /// Difference of two log Z, in standard errors; beyond that either way by chance: 6e-5.
 inline constexpr double kLargestDifference = 4.0;
 

@@ -20,7 +20,7 @@ ImportanceSampler::ImportanceSampler(const ImportanceConfig& config, Index dimen
     check_state(state_, config_, dimension_);
     Index number = state_.num_levels - std::ssize(state_.levels);
     for (ImportanceLevel& level : state_.levels) level.number = number++;
-    if (!state_.walkers) densities_.update(state_);
+    if (!state_.walkers && !state_.search) densities_.update(state_);
     return;
   }
   ImportanceProposal proposal;
@@ -72,6 +72,8 @@ void ImportanceSampler::plan_next_level() {
   switch (state_.levels.back().kind) {
     case LevelKind::sweep:
       return go_on_climbing();
+    case LevelKind::search:
+      return go_on_searching();
     case LevelKind::reported:
       return go_on_reporting();
     default:
@@ -80,7 +82,8 @@ void ImportanceSampler::plan_next_level() {
 }
 
 // Transitions after a lesson: the first that holds.
-const std::array<ImportanceSampler::Transition, 4> ImportanceSampler::kAfterLessons = {{
+const std::array<ImportanceSampler::Transition, 5> ImportanceSampler::kAfterLessons = {{
+    {&ImportanceSampler::should_search, &ImportanceSampler::begin_search_level},
     {&ImportanceSampler::has_learned, &ImportanceSampler::begin_reported_levels},
     {&ImportanceSampler::lacks_points, &ImportanceSampler::draw_prior_again},
     {&ImportanceSampler::is_stuck, &ImportanceSampler::begin_climb},
@@ -111,7 +114,9 @@ ImportanceSampler::Survey ImportanceSampler::survey() {
     if (level.kind != LevelKind::walkers) continue;
     level.log_evidence = evidence(draws.log_weights(level.power)).log_value;
   }
-  if (!(exponentials(draws.log_weights(state_.wanted_power)).sum() > 0.0)) {
+  const double searched = kEmptyShare * static_cast<double>(config_.max_simulations);
+  const bool is_empty = !(exponentials(draws.log_weights(state_.wanted_power)).sum() > 0.0);
+  if (is_empty && static_cast<double>(state_.num_draws) >= searched) {
     throw InputError(
         "no simulation has a likelihood above 0: all have failed, or the noise is far too small");
   }
@@ -145,19 +150,25 @@ bool ImportanceSampler::has_learned(const Survey&) const {
 void ImportanceSampler::begin_reported_levels(const Survey&) {
   const std::vector<std::size_t> best = best_levels();
   note_heavy_share(best);
+  begin_level(best_proposal(), state_.learned_power(), LevelKind::reported);
+}
+
+// Of the reported levels.
+ImportanceProposal ImportanceSampler::best_proposal() const {
+  const std::vector<std::size_t> best = best_levels();
   ImportanceProposal proposal{{}, best.empty() ? 1.0 : kPriorShare};
   for (const std::size_t l : best) {
     proposal.flows.push_back(state_.levels[l].proposal.flows.front());
   }
-  begin_level(std::move(proposal), state_.learned_power(), LevelKind::reported);
+  return proposal;
 }
 
-// Too few simulations have a likelihood for a flow to be fitted to them; fewer are enough where
-// more levels wouldn't be kept.
+// Too few simulations weigh something for a flow to be fitted to them; fewer are enough where more
+// levels wouldn't be kept.
 bool ImportanceSampler::lacks_points(const Survey& survey) const {
   const bool is_full = std::ssize(state_.levels) >= num_kept_levels();
-  return (survey.draws.log_likelihood.array() > -kInfinity).count() <
-         (is_full ? kFewestPointsAtEnd : kFewestPoints);
+  const Vector weights = truncated(survey.draws.log_weights(survey.power));
+  return (weights.array() > 0.0).count() < (is_full ? dimension_ + 2 : kFewestPoints);
 }
 
 void ImportanceSampler::draw_prior_again(const Survey&) {
@@ -194,7 +205,9 @@ void ImportanceSampler::fit_next_flow(const Survey& survey) {
 // Weights that the training of the next flow starts from; empty: fresh ones.
 Parameters<float> ImportanceSampler::latest_network() const {
   for (const ImportanceLevel& level : state_.levels | std::views::reverse) {
-    if (!level.proposal.flows.empty()) return level.proposal.flows.front().network;
+    for (const FlowProposal& flow : level.proposal.flows) {
+      if (flow.network.size() > 0) return flow.network;
+    }
   }
   return {};
 }

@@ -28,7 +28,9 @@
 ///     after a sweep:           another sweep, until walkers have become a level
 ///     after a reported level:  another one, or all of them become lessons
 ///     after a lesson:
-///       if flows have learned enough:    begin the reported levels
+///       if flows have learned enough:    search for what they haven't seen, and draw around what
+///                                        is found (weight_search.h), or else
+///                                        begin the reported levels
 ///       if hardly a point is possible:   draw the prior again
 ///       if flows hardly raise b:         let walkers climb
 ///       else:                            fit a flow to all points at the largest b, and draw it
@@ -105,13 +107,17 @@ class ImportanceSampler {
     bool (ImportanceSampler::*holds)(const Survey&) const;
     void (ImportanceSampler::*begin)(const Survey&);
   };
-  static const std::array<Transition, 4> kAfterLessons;
+  static const std::array<Transition, 5> kAfterLessons;
 
   void plan_next_level();
   void go_on_climbing();
   void go_on_reporting();
+  void go_on_searching();
   void teach();
 
+  bool should_search(const Survey& survey) const;
+  void begin_search_level(const Survey& survey);
+  void push_search_steps();
   bool has_learned(const Survey& survey) const;
   void begin_reported_levels(const Survey& survey);
   bool lacks_points(const Survey& survey) const;
@@ -126,6 +132,10 @@ class ImportanceSampler {
   void note_heavy_share(const std::vector<std::size_t>& levels);
   bool has_more_to_learn(const ImportanceCertificate& certificate) const;
   void learn_from_reported_levels();
+  ImportanceProposal best_proposal() const;
+  Vector log_weights_by(const ImportanceProposal& proposal, const RowMatrix& u,
+                        const Vector& log_likelihood) const;
+  Index num_searchers() const;
   std::vector<std::size_t> best_levels() const;
   Parameters<float> latest_network() const;
 

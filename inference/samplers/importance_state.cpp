@@ -40,6 +40,15 @@ void check_walkers(const TemperedWalkers& walkers, Index count, Index dimension)
           "a neighbor that isn't a walker");
 }
 
+void check_search(const WeightSearch& search, Index dimension) {
+  const Index count = search.u.rows();
+  require(search.u.cols() == dimension && search.log_likelihood.size() == count &&
+              search.log_weight.size() == count && search.log_step.size() == count &&
+              search.covariance.rows() == count &&
+              search.covariance.cols() == dimension * dimension,
+          fmt::format("a search whose parts aren't of {} searchers", count));
+}
+
 }  // namespace
 
 Vector ImportanceProposal::log_density(const RowMatrix& u) const {
@@ -111,10 +120,12 @@ void check_state(const ImportanceState& state, const ImportanceConfig& config, I
     require(l == 0 || level.kind == LevelKind::reported ||
                 state.levels[l - 1].kind != LevelKind::reported,
             "a level after the last ones");
-    const bool is_back = l + 1 == state.levels.size(), is_sweep = level.kind == LevelKind::sweep;
+    const bool is_back = l + 1 == state.levels.size(), is_sweep = level.kind == LevelKind::sweep,
+               is_search = level.kind == LevelKind::search;
     const bool is_filling = level.kind == LevelKind::walkers && state.walkers &&
                             l + 2 == state.levels.size() && level.u.rows() < config.level_size;
     const Index rows = is_sweep     ? num_walkers(config)
+                       : is_search  ? (state.search ? state.search->u.rows() : 0)
                        : is_filling ? level.u.rows()
                                     : config.level_size;
     require(level.u.cols() == dimension && level.u.rows() == rows,
@@ -124,9 +135,11 @@ void check_state(const ImportanceState& state, const ImportanceConfig& config, I
         level.log_likelihood.size() <= rows && (is_back || level.is_complete()),
         fmt::format("a level of {} likelihoods, must be {}", level.log_likelihood.size(), rows));
     require(is_sweep == (is_back && state.walkers), "a sweep without walkers, or the other way");
+    require(is_search == (is_back && state.search), "steps without a search, or the other way");
   }
   require(state.levels.front().kind == LevelKind::lesson, "a first level that doesn't teach");
   if (state.walkers) check_walkers(*state.walkers, num_walkers(config), dimension);
+  if (state.search) check_search(*state.search, dimension);
 }
 
 }  // namespace npdr::inference

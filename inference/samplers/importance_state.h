@@ -9,6 +9,7 @@
 #include "inference/samplers/flow_proposal.h"
 #include "inference/samplers/importance_config.h"
 #include "inference/samplers/tempered_walkers.h"
+#include "inference/samplers/weight_search.h"
 
 namespace npdr::inference {
 
@@ -32,6 +33,8 @@ enum class LevelKind {
   formerly_reported,  ///< a result that had something to teach, and became a lesson
   sweep,              ///< steps that walkers propose
   walkers,            ///< places of walkers, as draws of pi_b
+  search,             ///< steps of a search for what the flows haven't seen
+  found,              ///< draws around what it has found, which teach
 };
 
 /// Draws of one proposal, or of walkers.
@@ -50,6 +53,9 @@ struct ImportanceLevel {
 struct ImportanceState {
   std::vector<ImportanceLevel> levels;     ///< the first, and those that still count
   std::optional<TemperedWalkers> walkers;  ///< while they climb
+  std::optional<WeightSearch> search;      ///< while one goes on
+  Index num_searches = 0;                  ///< begun so far
+  Index num_found = 0;                     ///< places that the last of them has found
   Index num_levels = 0;                    ///< begun so far, those that were dropped included
   Index num_draws = 0;                     ///< told
   double wanted_power = 0.0;               ///< a

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 #include "core/error.h"
 #include "pipeline/artefacts/described_artefact.h"
 #include "pipeline/artefacts/layout_tables.h"
@@ -53,7 +55,8 @@ namespace {
 void describe(Layout f, inference::FlowProposal& flow) {
   f("mean", flow.mean, {{"D"}}, "m", kFinite);
   f("factor", flow.factor, {{"D"}, {"D"}}, "L", kFinite);
-  f("weights", flow.network, {{"P"}}, "of the network", kFinite);
+  f("weights", flow.network, {{"P"}}, "of the network; none: Student's t alone",
+    {.allowed = h5::Values::finite, .unless_empty = true});
 }
 
 void describe(Layout f, inference::ImportanceLevel& level);
@@ -80,8 +83,9 @@ void describe(Layout f, inference::ImportanceLevel& level) {
   f.attribute(
       "kind", kind,
       "0: draws that teach; 1: those that are reported; 2: those that would have been; 3: where "
-      "walkers may go; 4: where they were");
-  if (f.reads() && (kind < 0 || kind > static_cast<Index>(inference::LevelKind::walkers))) {
+      "walkers may go; 4: where they were; 5: where searchers may go; 6: draws around what they "
+      "have found");
+  if (f.reads() && (kind < 0 || kind > static_cast<Index>(inference::LevelKind::found))) {
     throw InputError(fmt::format("{}: level of kind {}; remove this file", f.where(), kind));
   }
   level.kind = static_cast<inference::LevelKind>(kind);
@@ -89,11 +93,12 @@ void describe(Layout f, inference::ImportanceLevel& level) {
               "that the proposal was fitted to, or of the walkers");
   f.attribute("log_evidence", level.log_evidence, "log Z of walkers, as far as it is known [nats]");
   f.attribute("prior_share", level.proposal.prior_share, "of the proposal");
-  const bool is_sweep = level.kind == inference::LevelKind::sweep,
-             is_filled = level.kind == inference::LevelKind::walkers;
-  const char* num_points = is_sweep ? "W" : is_filled ? "K" : "N";
-  f("u", level.u, {{num_points}, {"D"}},
-    "points, where the prior is N(0, I); W of a sweep, K of walkers",
+  const std::map<inference::LevelKind, const char*> others = {{inference::LevelKind::sweep, "W"},
+                                                              {inference::LevelKind::walkers, "K"},
+                                                              {inference::LevelKind::search, "S"}};
+  const auto other = others.find(level.kind);
+  f("u", level.u, {{other == others.end() ? "N" : other->second}, {"D"}},
+    "points, where the prior is N(0, I); W of a sweep, K of walkers, S of searchers",
     {.allowed = h5::Values::finite, .storage = kFastest});
   Index num_told = level.log_likelihood.size();
   f.attribute("num_told", num_told, "n, of its points have been simulated");
@@ -119,6 +124,19 @@ void describe(Layout f, std::optional<inference::TemperedWalkers>& walkers) {
   (*group)("neighbors", w.neighbors, {{"W"}, {"J"}}, "of each walker, which walkers they are");
 }
 
+void describe(Layout f, std::optional<inference::WeightSearch>& search) {
+  auto group = f.group("search", search);
+  if (!group) return;
+  inference::WeightSearch& s = *search;
+  (*group)("u", s.u, {{"S"}, {"D"}}, "where searchers are", kFinite);
+  (*group)("log_likelihood", s.log_likelihood, {{"S"}}, "there [nats]", kFinite);
+  (*group)("log_weight", s.log_weight, {{"S"}}, "of the posterior over the flows' density [nats]",
+           kFinite);
+  (*group)("log_step", s.log_step, {{"S"}}, "logarithm of their steps' length", kFinite);
+  (*group)("covariance", s.covariance, {{"S"}, {"E"}}, "of their steps, E = D^2", kFinite);
+  group->attribute("num_steps", s.num_steps, "that each has made");
+}
+
 }  // namespace
 
 void describe(Layout f, RefinementCheckpoint& checkpoint) {
@@ -132,7 +150,10 @@ void describe(Layout f, RefinementCheckpoint& checkpoint) {
   f.attribute("heavy_log_weight", state.heavy_log_weight,
               "of last levels' draws: sqrt(N) times their mean, as all points tell [nats]");
   f.attribute("heavy_share", state.heavy_share, "of the posterior, at weights above that");
+  f.attribute("num_searches", state.num_searches, "for what flows haven't seen");
+  f.attribute("num_found", state.num_found, "places that the last of them has found");
   describe(f, state.walkers);
+  describe(f, state.search);
   describe_members(f, "level", state.levels);
   describe(f, checkpoint.moves);
   if (!f.lists()) describe(f.group("power_scores"), checkpoint.powers);  // as in the posterior

@@ -38,7 +38,7 @@ inline const Schema kPosteriorSchema{"posterior", 22, "infer"};
 inline const Artefact<struct TrainingCheckpoint> kCheckpointSchema{
     {"training_checkpoint", 4, "infer"}};
 inline const Artefact<struct RefinementCheckpoint> kRefinementCheckpointSchema{
-    {"refinement_checkpoint", 13, "infer"}};
+    {"refinement_checkpoint", 14, "infer"}};
 inline const Artefact<struct AskedRows> kAskedRowsSchema{{"asked_rows", 2, "infer"}};
 inline const Artefact<struct SimulatedRows> kSimulatedRowsSchema{{"simulated_rows", 2, "infer"}};
 inline const Artefact<struct Baseline> kBaselineSchema{{"baseline", 6, "baseline"}};

@@ -202,7 +202,7 @@ class Refinement {
   // When a level has been planned: scores its power, and settles on the best one at the end.
   void cross_validate() {
     if (!config_.cross_validate || is_settled() || sampler_.power() == 0.0) return;
-    if (sampler_.state().levels.back().kind == inference::LevelKind::reported) return;
+    if (sampler_.state().levels.back().kind != inference::LevelKind::lesson) return;
     const inference::ImportanceSample draws = sampler_.preliminary(sampler_.power(), kLeftOutDraws);
     const sim::Trajectories rollouts = simulate_draws(prior_.to_theta(draws.u));
     add_power(powers_, sampler_.power(),

@@ -43,6 +43,21 @@ TEST(NoiseIntegral, OfScalesIsNearGammaFunctions) {
   EXPECT_NEAR(log_integral(f, Vector::Constant(4, 0.5)), 4.0 * one, 4.0 / (6.0 * n) + 0.01);
 }
 
+// Half of a Gaussian, and a quarter, whose modes are at their ends.
+TEST(NoiseIntegral, OfWhatEndsBesideItsModeIsThePartThatIsLeft) {
+  for (const double end : {0.01, 0.0009, 0.0005, 0.0}) {
+    for (const Index k : {1, 2}) {
+      const LogIntegrand f = [&](const Vector& z) {
+        return z.maxCoeff() > end ? -HUGE_VAL : -0.5 * z.squaredNorm();
+      };
+      const double part =
+          std::log(std::sqrt(2.0 * std::numbers::pi) * 0.5 * std::erfc(-end / std::numbers::sqrt2));
+      EXPECT_NEAR(log_integral(f, Vector::Zero(k)), static_cast<double>(k) * part, 0.2)
+          << end << " of " << k;
+    }
+  }
+}
+
 TEST(NoiseIntegral, OfNoParametersIsTheValue) {
   EXPECT_EQ(log_integral([](const Vector&) { return -3.0; }, Vector()), -3.0);
 }

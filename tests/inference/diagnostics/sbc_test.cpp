@@ -33,6 +33,18 @@ TEST(Sbc, FindsPosteriorsThatAreTooNarrowTooWideOrShifted) {
   EXPECT_LT(test_sbc(spread_ranks_of(1.0, 0.3)).p_value, 1e-4);
 }
 
+// Of an exact posterior over five values; false-alarm rate 1 %, fixed seed.
+TEST(Sbc, RanksOfTiesAreUniform) {
+  std::vector<Index> all;
+  for (std::uint64_t i = 0; i < 500; ++i) {
+    Stream stream({1, "ties", 0, i, 0});
+    RowMatrix samples(100, 1);
+    for (double& s : samples.reshaped()) s = stream.below(5);
+    all.push_back(ranks(samples, Vector{{static_cast<double>(stream.below(5))}}).front());
+  }
+  EXPECT_GT(test_sbc(spread_ranks(all, 100, {1, "spread", 0, 0, 0})).p_value, 0.01);
+}
+
 TEST(Sbc, CorrectsForTheNumberOfParameters) {
   const Vector spread = spread_ranks_of(1.0, 0.1);
   const Sbc one = test_sbc(spread), three = test_sbc(spread.replicate(1, 3));
