@@ -13,9 +13,10 @@ namespace npdr::pipeline {
 /// are `num_columns`, none of them empty or twice.
 std::vector<std::string> column_labels(const h5::Dataset& dataset, Index num_columns);
 
-/// Labels with units: those of the attribute `units`, which labels may repeat as `label [unit]`, or,
-/// without it, those of such labels; "1" where there is none. Throws InputError as column_labels()
-/// does, also for labels that differ in their units alone, and for more or fewer units than labels.
+/// Labels with units: those of the attribute `units`, which labels may repeat as `label [unit]`,
+/// or, without it, those of such labels; "1" where there is none. Throws InputError as
+/// column_labels() does, also for labels that differ in their units alone, and for more or fewer
+/// units than labels.
 std::vector<Channel> column_channels(const h5::Dataset& dataset, Index num_columns);
 
 /// Sets both attributes. Throws Error when that fails.
