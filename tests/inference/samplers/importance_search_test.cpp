@@ -14,30 +14,30 @@
 namespace npdr::inference {
 namespace {
 
-constexpr Index kDimension = 3;
+constexpr Index kSearchDimension = 3;
 constexpr double kWide = 0.1, kNarrow = 0.04, kWideMean = 1.0, kNarrowMean = -1.5;
 
 // log of the mass of exp(-|u - mean|^2 / 2 deviation^2) under N(0, I).
 double log_mass(double mean, double deviation) {
   const double variance = 1.0 + deviation * deviation;
-  return kDimension *
+  return kSearchDimension *
          (std::log(deviation) - 0.5 * mean * mean / variance - 0.5 * std::log(variance));
 }
 
-Vector log_gaussian(const RowMatrix& u, double mean, double deviation) {
+Vector log_bump(const RowMatrix& u, double mean, double deviation) {
   return -0.5 * (u.array() - mean).square().rowwise().sum() / (deviation * deviation);
 }
 
 // Two modes of the same mass, as far apart as parameters of a device can be.
 Vector two_modes(const RowMatrix& u) {
   const double equal = log_mass(kWideMean, kWide) - log_mass(kNarrowMean, kNarrow);
-  Vector narrow = log_gaussian(u, kNarrowMean, kNarrow).array() + equal;
-  return log_sum_exp_of_terms(std::vector{log_gaussian(u, kWideMean, kWide), std::move(narrow)});
+  Vector narrow = log_bump(u, kNarrowMean, kNarrow).array() + equal;
+  return log_sum_exp_of_terms(std::vector{log_bump(u, kWideMean, kWide), std::move(narrow)});
 }
 
 ImportanceSampler sampler_of(std::uint64_t seed, const ImportanceState& state = {}) {
   return ImportanceSampler({.level_size = 2000, .min_ess = 1000.0, .max_simulations = 200'000},
-                           kDimension, {}, {seed, "refinement", 1, 0, 0}, state);
+                           kSearchDimension, {}, {seed, "refinement", 1, 0, 0}, state);
 }
 
 // Without a search 26 of 30 seeds hold with log Z off by log 2; with one log Z of 30 seeds is off
@@ -64,7 +64,7 @@ TEST(ImportanceSearch, GoesOnFromAnyOfItsStates) {
     pieces = sampler_of(1, pieces.state());
     ++restarts;
   }
-  EXPECT_GE(restarts, num_search_steps(kDimension));
+  EXPECT_GE(restarts, num_search_steps(kSearchDimension));
   EXPECT_EQ(pieces.next(2000), whole.next(2000));
   EXPECT_EQ(pieces.state().num_draws, whole.state().num_draws);
 }
@@ -73,14 +73,14 @@ TEST(ImportanceSearch, GoesOnFromAnyOfItsStates) {
 TEST(WeightSearch, EndsWhereADensityIsMissed) {
   const StreamId id{1, "search", 0, 0, 0};
   const auto log_weight = [](const RowMatrix& u) -> Vector {
-    const Vector q = log_gaussian(u, kWideMean, kWide).array() - log_mass(kWideMean, kWide);
+    const Vector q = log_bump(u, kWideMean, kWide).array() - log_mass(kWideMean, kWide);
     const Vector prior = Vector::Constant(u.rows(), std::log(0.05));
     return two_modes(u) - log_sum_exp_of_terms(std::vector{q, prior});
   };
-  const RowMatrix prior = draw_standard_normal(2000, kDimension, id);
+  const RowMatrix prior = draw_standard_normal(2000, kSearchDimension, id);
   WeightSearch search = begin_search(prior, two_modes(prior), log_weight(prior), 20);
   EXPECT_LE(search.u.rows(), 20);
-  while (search.num_steps < num_search_steps(kDimension)) {
+  while (search.num_steps < num_search_steps(kSearchDimension)) {
     StreamId step = id;
     step.epoch = static_cast<std::uint64_t>(search.num_steps);
     const RowMatrix u = propose_steps(search, step);
@@ -97,8 +97,8 @@ TEST(WeightSearch, EndsWhereADensityIsMissed) {
 // Nowhere: q is the posterior.
 TEST(WeightSearch, FindsNothingWhereNothingIsMissed) {
   const StreamId id{2, "search", 0, 0, 0};
-  const RowMatrix prior = draw_standard_normal(2000, kDimension, id);
-  const Vector log_likelihood = log_gaussian(prior, 0.5, kWide);
+  const RowMatrix prior = draw_standard_normal(2000, kSearchDimension, id);
+  const Vector log_likelihood = log_bump(prior, 0.5, kWide);
   const double log_z = log_mass(0.5, kWide);
   WeightSearch search =
       begin_search(prior, log_likelihood, Vector::Constant(prior.rows(), log_z), 20);
@@ -112,7 +112,7 @@ TEST(WeightSearch, FindsNothingWhereNothingIsMissed) {
 TEST(ImportanceSampler, GoesOnWhereTheFirstDrawsAreImpossible) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     ImportanceSampler sampler({.level_size = 500, .min_ess = 100.0, .max_simulations = 200'000},
-                              kDimension, {}, {seed, "refinement", 1, 0, 0});
+                              kSearchDimension, {}, {seed, "refinement", 1, 0, 0});
     while (!sampler.is_done()) {
       const RowMatrix u = sampler.next(500);
       sampler.tell(
