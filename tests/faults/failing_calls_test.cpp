@@ -25,6 +25,10 @@ class FailingCall {
     set("NPDR_FAIL_ERRNO", std::to_string(error));
   }
 
+  ~FailingCall() {
+    while (!variables_.empty()) variables_.pop_back();  // the last one first
+  }
+
   void set(const std::string& variable, const std::string& value) {
     variables_.emplace_back(variable, value);
   }

@@ -93,7 +93,8 @@ TEST(RateReport, NamesTheColumnAndItsFactor) {
                                        states(400, 1) - states(399, 1));
   const std::vector<std::pair<Target, std::vector<std::string>>> cases = {
       {with_factor(3, degrees), {"alpha changes", "--scale alpha_dot=0.0174533"}},
-      {in_degrees, {"theta changes", "theta is probably in radians", "--scale theta=57.2958"}},
+      {in_degrees,
+       {"theta changes", "theta [deg] is probably in radians", "--scale theta=57.2958"}},
       {with([](RowMatrix& s) { s.rightCols(2) *= 10.0; }),
        {"theta changes", "dt is probably 0.004 * 0.1"}},
       {with_factor(0, 995.0),  // nearly a power of ten
@@ -122,7 +123,8 @@ TEST(RateReport, NamesTheColumnAndItsFactor) {
   EXPECT_TRUE(has(problems(right_target(0.006), "").front(), "give --dt "));
   const std::vector<std::pair<Target, std::vector<std::string>>> pairs = {
       {with([&](RowMatrix& s) { s.rightCols(2) *= rpm; }),
-       {"alpha changes 0.105 times as fast", "alpha_dot is probably in rpm", "alpha_dot=0.10472"}},
+       {"alpha changes 0.105 times as fast", "alpha_dot [rad/s] is probably in rpm",
+        "alpha_dot=0.10472"}},
       {with([&](RowMatrix& s) { s.leftCols(2) *= degrees; }), {"alpha changes"}},  // no wrong time
       {with([](RowMatrix& s) { s.col(2).swap(s.col(3)); }),
        {"alpha_dot isn't the slope of alpha, but theta_dot is", "swapped"}}};
