@@ -29,7 +29,9 @@ Target resting_inputs(const Study& study, const sim::SimulatorInfo& info) {
   const auto& states = study.external.initial_states;
   const Index count = study.target.num_rollouts + study.target.held_out;
   for (Index h = 0; h < count; ++h) {
-    const std::vector<double>& first = states[static_cast<std::size_t>(h) % states.size()];
+    const std::vector<double> first = states.empty()
+                                          ? std::vector<double>()
+                                          : states[static_cast<std::size_t>(h) % states.size()];
     if (std::ssize(first) != target.num_states()) {
       throw InputError(
           fmt::format("simulator.initial_states has a list of {}, must have {}: the "

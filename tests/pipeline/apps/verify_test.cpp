@@ -170,7 +170,7 @@ TEST_F(VerifyDocuments, AreNotToBlameForATargetThatIsDamaged) {
   const Node& simulation = plan.node(Stage::simulate, {"A", 1, 1});
   make(plan, simulation);
   const auto target = std::ranges::find(plan.nodes, Stage::target, &Node::stage);
-  std::filesystem::resize_file(target->path, std::filesystem::file_size(target->path) - 1);
+  std::filesystem::resize_file(target->path, std::filesystem::file_size(target->path) / 2);
   const std::string message = message_of<Error>([&] { verify(simulation.path, {}); });
   EXPECT_TRUE(has(message, target->key + ".h5")) << message;
   EXPECT_FALSE(has(message, "can't be done")) << message;
