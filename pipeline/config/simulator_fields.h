@@ -148,7 +148,7 @@ void describe(Fields& f, ExternalConfig& c) {
          only(c.command.has_value(), "it belongs to simulator.command"));
   f("folder", c.folder, anything<std::string>(),
     "where the program runs, seen from the study file's folder; empty: there",
-    of_code(Affects::report));
+    of_code(Affects::elsewhere));
   // A call of a library that takes longer ends the stage: no row depends on it.
   f("time_limit", c.time_limit, positive(),
     "for a call with all rows of a shard, or of a function of a library [s]",
