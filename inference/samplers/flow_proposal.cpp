@@ -158,13 +158,13 @@ Vector FlowProposal::log_density(const RowMatrix& u) const {
     RowMatrix rows = RowMatrix::Zero(kBlock, u.cols());
     rows.topRows(count) = u.middleRows(first, count);
     const RowMatrix v = standardize(*this, rows);
-    const auto scratch = f.flow.make_scratch();
-    VectorF log_prob;
     const Vector tail = log_tail(v);
     if (network.size() == 0) {
       result.segment(first, count) = tail.head(count).array() - log_det;
       return;
     }
+    const auto scratch = f.flow.make_scratch();
+    VectorF log_prob;
     f.flow.log_prob(network, v.cast<float>(), RowMatrixF::Zero(kBlock, 1), *scratch, log_prob);
     for (Index i = 0; i < count; ++i) {
       const auto value = static_cast<double>(log_prob(i));

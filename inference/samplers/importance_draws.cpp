@@ -12,7 +12,9 @@
 namespace npdr::inference {
 
 ImportanceSample ImportanceSampler::preliminary(double power, Index most) const {
-  if (state_.walkers) throw Error("importance sampling: no draws while walkers climb");
+  if (state_.walkers || state_.search) {
+    throw Error("importance sampling: no draws while walkers climb or a search goes on");
+  }
   const bool is_planned = !state_.levels.back().is_complete();
   return draws_of_all(std::min(state_.num_before_reported(), state_.levels.size() - is_planned),
                       power, most);

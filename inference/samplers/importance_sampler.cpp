@@ -60,7 +60,9 @@ void ImportanceSampler::tell(const Vector& log_likelihood) {
 }
 
 void ImportanceSampler::settle(double power) {
-  if (state_.walkers) throw Error("importance sampling: no other power while walkers climb");
+  if (state_.walkers || state_.search) {
+    throw Error("importance sampling: no other power while walkers climb or a search goes on");
+  }
   state_.wanted_power = power;
   state_.num_draws_before = 0;
   drop(state_.levels.size() - 1);

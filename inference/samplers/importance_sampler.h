@@ -70,14 +70,16 @@ class ImportanceSampler {
   /// Up to `most` points (m, D) whose likelihood is wanted next; none when it is done.
   RowMatrix next(Index most) const;
   /// Their log L(u) [nats], (m); -infinity or NaN where it is 0. Throws InputError when a level is
-  /// complete and none of all points, or of those of the last levels, has one above 0.
+  /// complete and none of all points, which are a tenth of `max_simulations` or more, or of those
+  /// of the last levels, has one above 0.
   void tell(const Vector& log_likelihood);
 
   /// Draws of the posterior at a power up to power() from the points of all complete levels but
-  /// reported ones, at most about `most` of them. Throws Error while walkers climb.
+  /// reported ones, at most about `most` of them. Throws Error while walkers climb or a
+  /// search goes on.
   ImportanceSample preliminary(double power, Index most) const;
   /// Makes `power` the one that is wanted, in place of a higher one. Only where a level has just
-  /// been planned; throws Error while walkers climb.
+  /// been planned; throws Error while walkers climb or a search goes on.
   void settle(double power);
   /// b of the level that is drawn next.
   double power() const { return state_.levels.back().power; }

@@ -46,7 +46,7 @@ void ImportanceSampler::push_search_steps() {
   push({.kind = LevelKind::search,
         .proposal = {},
         .power = state_.learned_power(),
-        .u = propose_steps(*state_.search, level_id("refine_search")),
+        .u = propose_search_steps(*state_.search, level_id("refine_search")),
         .log_likelihood = {}});
 }
 
@@ -55,9 +55,9 @@ void ImportanceSampler::go_on_searching() {
   const ImportanceLevel steps = state_.levels.back();
   drop(state_.levels.size() - 1);
   WeightSearch& search = *state_.search;
-  take_steps(search, steps.u, steps.log_likelihood,
-             log_weights_by(best_proposal(), steps.u, steps.log_likelihood),
-             level_id("refine_search_choice"));
+  take_search_steps(search, steps.u, steps.log_likelihood,
+                    log_weights_by(best_proposal(), steps.u, steps.log_likelihood),
+                    level_id("refine_search_choice"));
   if (search.num_steps < num_search_steps(dimension_)) return push_search_steps();
   const Survey survey = this->survey();
   std::vector<FlowProposal> places =

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
-#include <utility>
 
 #include "core/decompositions.h"
 #include "core/error.h"
 #include "core/parallel.h"
+#include "inference/nearest_rows.h"
 #include "inference/samplers/step_length.h"
 #include "inference/weighted_population.h"
 
@@ -69,22 +67,6 @@ RowMatrix propose_wide(const RowMatrix& u, double scale, const StreamId& id) {
   return proposed;
 }
 
-// The numbers of the rows that are nearest to row i, in no order.
-std::vector<Index> nearest(const RowMatrix& rows, Index i) {
-  Vector distances = (rows.rowwise() - rows.row(i)).rowwise().squaredNorm();
-  for (double& d : distances) d = std::isfinite(d) ? d : std::numeric_limits<double>::max();
-  std::vector<Index> order(static_cast<std::size_t>(rows.rows()));
-  std::iota(order.begin(), order.end(), 0);
-  order.erase(order.begin() + i);
-  const auto count = std::min(static_cast<std::size_t>(kNeighbors), order.size());
-  const auto is_nearer = [&](Index a, Index b) {
-    return std::pair(distances(a), a) < std::pair(distances(b), b);
-  };
-  std::ranges::nth_element(order, order.begin() + static_cast<std::ptrdiff_t>(count), is_nearer);
-  order.resize(count);
-  return order;
-}
-
 RowMatrix propose_near(const TemperedWalkers& walkers, double scale, const StreamId& id) {
   const Index n = walkers.u.rows(), count = walkers.neighbors.cols();
   if (walkers.neighbors.rows() != n || count < 2) {
@@ -131,7 +113,7 @@ void choose_neighbors(TemperedWalkers& walkers) {
   const RowMatrix standardized = u.array().rowwise() / deviations.array();
   walkers.neighbors.resize(u.rows(), std::min(kNeighbors, u.rows() - 1));
   parallel_for(u.rows(), [&](Index i) {
-    std::ranges::copy(nearest(standardized, i), walkers.neighbors.row(i).begin());
+    std::ranges::copy(nearest_rows(standardized, i, kNeighbors), walkers.neighbors.row(i).begin());
   });
 }
 

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
-#include <numeric>
+#include <utility>
 
 #include "core/decompositions.h"
 #include "core/parallel.h"
+#include "core/quantile.h"
+#include "inference/nearest_rows.h"
 #include "inference/samplers/importance_constants.h"
 #include "inference/samplers/step_length.h"
 #include "inference/standard_normal.h"
@@ -14,6 +17,7 @@
 namespace npdr::inference {
 namespace {
 
+// All by hand: a search only proposes where to draw, and draws tell how much is there.
 constexpr Index kNeighbors = 12;     // of a point that must be a local maximum
 constexpr Index kMostPoints = 4000;  // that are looked at: half a second
 constexpr double kWantedRate = 0.25;
@@ -38,17 +42,11 @@ struct Peak {
   double distance;
 };
 Peak peak_at(const RowMatrix& u, const Vector& log_weight, Index i) {
-  const Vector distances = (u.rowwise() - u.row(i)).rowwise().squaredNorm();
-  std::vector<Index> order(static_cast<std::size_t>(u.rows()));
-  std::iota(order.begin(), order.end(), 0);
-  order.erase(order.begin() + i);
-  const auto count = std::min(static_cast<std::size_t>(kNeighbors), order.size());
-  std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(count), {},
-                            [&](Index k) { return std::pair(distances(k), k); });
-  order.resize(count);
-  const bool is_highest =
-      std::ranges::all_of(order, [&](Index k) { return log_weight(k) <= log_weight(i); });
-  return {is_highest, count > 0 ? std::sqrt(distances(order[count / 2])) : 1.0};
+  const std::vector<Index> near = nearest_rows(u, i, kNeighbors);
+  std::vector<double> distances;
+  for (const Index k : near) distances.push_back((u.row(k) - u.row(i)).norm());
+  const auto is_lower = [&](Index k) { return log_weight(k) <= log_weight(i); };
+  return {std::ranges::all_of(near, is_lower), near.empty() ? 1.0 : upper_median(distances)};
 }
 
 }  // namespace
@@ -90,7 +88,7 @@ WeightSearch begin_search(const RowMatrix& u, const Vector& log_likelihood,
   return search;
 }
 
-RowMatrix propose_steps(const WeightSearch& search, const StreamId& id) {
+RowMatrix propose_search_steps(const WeightSearch& search, const StreamId& id) {
   RowMatrix proposed = search.u;
   for (Index i = 0; i < proposed.rows(); ++i) {
     Stream stream = stream_of(id, i);
@@ -102,8 +100,8 @@ RowMatrix propose_steps(const WeightSearch& search, const StreamId& id) {
   return proposed;
 }
 
-void take_steps(WeightSearch& search, const RowMatrix& proposed, const Vector& log_likelihood,
-                const Vector& log_weight, const StreamId& id) {
+void take_search_steps(WeightSearch& search, const RowMatrix& proposed,
+                       const Vector& log_likelihood, const Vector& log_weight, const StreamId& id) {
   const Index d = search.u.cols();
   const double rate = 2.0 / (static_cast<double>(d * d) + 6.0);
   for (Index i = 0; i < proposed.rows(); ++i) {

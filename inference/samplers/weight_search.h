@@ -37,10 +37,10 @@ WeightSearch begin_search(const RowMatrix& u, const Vector& log_likelihood,
                           const Vector& log_weight, Index most);
 
 /// Where they may go next, (S, D).
-RowMatrix propose_steps(const WeightSearch& search, const StreamId& id);
+RowMatrix propose_search_steps(const WeightSearch& search, const StreamId& id);
 /// Accepts or rejects these places by log L and log w there, (S) each; NaN is -infinity.
-void take_steps(WeightSearch& search, const RowMatrix& proposed, const Vector& log_likelihood,
-                const Vector& log_weight, const StreamId& id);
+void take_search_steps(WeightSearch& search, const RowMatrix& proposed,
+                       const Vector& log_likelihood, const Vector& log_weight, const StreamId& id);
 
 /// Student's t around each searcher that has found something: a part of the posterior of at least
 /// kLeastFound, by the density where the searcher is and the volume that it walks in, of which q
