@@ -204,9 +204,8 @@ class Writer {
       const std::vector<std::string> zeros(std::max<std::size_t>(1, info_.state_channels.size()),
                                            "0.1");
       text_ += fmt::format(
-          "dt = 0.02  # EDIT: [s]\nnum_steps = 250\ninitial_states = [[{}]]  # EDIT: a list for "
-          "each "
-          "rollout\n",
+          "dt = 0.02  # EDIT: [s]\nnum_steps = 250\n"
+          "initial_states = [[{}]]  # EDIT: a list for each rollout\n",
           join(zeros));
     }
     if (gives_motion() && recording_) {
