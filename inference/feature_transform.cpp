@@ -14,7 +14,6 @@
 namespace npdr::inference {
 namespace {
 
-constexpr Index kRowsForBounds = 500;
 constexpr Index kFirstRows = 2000;
 constexpr float kUsualRanges = 20.0f;
 constexpr float kRounding = 1e-6f;  // of a constant feature
@@ -76,7 +75,8 @@ Bounds usual_bounds(const FeatureSource& x, Index num_columns, const Columns& co
   constexpr float infinity = std::numeric_limits<float>::infinity();
   Bounds bounds{Eigen::ArrayXf::Constant(num_columns, -infinity),
                 Eigen::ArrayXf::Constant(num_columns, infinity)};
-  for_each_block(x, std::min(kRowsForBounds, x.num_rows()), [&](Index, const RowMatrixF& rows) {
+  // One block: bounds are those of its rows.
+  for_each_block(x, std::min(kRowsOfBlock, x.num_rows()), [&](Index, const RowMatrixF& rows) {
     const RowMatrixF columns = columns_of_rows(rows);
     for (Index f = 0; f < num_columns; ++f) {
       const Range range = usual_range({columns.col(f).begin(), columns.col(f).end()});

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/log_sum_exp.h"
+#include "inference/missed_share.h"
 #include "inference/samplers/group_moves.h"
 #include "inference/standard_normal.h"
 #include "inference/weighted_population.h"
@@ -191,6 +192,20 @@ double PooledPosterior::estimate_log_normalizer() const {
     return n / all.effective_size() - 1.0 <= n * kNormalizerError * kNormalizerError;
   };
   return candidates(id, is_known).log_mean_weight();
+}
+
+double PooledPosterior::missed_share() const {
+  if (powers() == kPosteriorAlone) return 0.0;
+  const StreamId id{parts().structure_seed, "pool_missed", 0, 0, 0};
+  const double log_z = log_normalizer();
+  return inference::missed_share(
+      prior().to_normal(sample(kCandidates, id)),
+      [&](const RowMatrix& u) -> ComparedDensities {
+        PoolEvidence here = evidence(prior().to_theta(u));
+        return {here.posterior + here.log_weights(powers()) - Vector::Constant(u.rows(), log_z),
+                std::move(here.likelihood)};
+      },
+      id);
 }
 
 Vector PooledPosterior::relative_log_prob(const RowMatrix& theta) const {

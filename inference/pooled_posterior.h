@@ -52,6 +52,10 @@ class PooledPosterior : public NetworkPosterior {
   PoolPowers powers() const;
   double log_normalizer() const;
 
+  /// Share of p(u) l(z_o | u) / Z, the posterior of l alone, that the pool has missed
+  /// (missed_share.h), since q has nothing there. It takes as long as some thousand draws.
+  double missed_share() const;
+
   /// q alone, whose draws are candidates.
   const Posterior& importance_proposal() const override { return posterior_; }
   PoolEvidence evidence(const RowMatrix& theta) const;

@@ -4,6 +4,9 @@
 #include <limits>
 #include <nlopt.hpp>
 
+#include "core/error.h"
+#include "inference/weighted_population.h"
+
 namespace npdr::inference {
 
 Vector Posterior::map(const StreamId& id) const {
@@ -12,7 +15,9 @@ Vector Posterior::map(const StreamId& id) const {
   constexpr double farthest = 8.0;  // |u| within which the prior has all of its mass
   const RowMatrix starts = sample(num_starts, id);
   Index best = 0;
-  relative_log_prob(starts).maxCoeff(&best);
+  if (!std::isfinite(numbers(relative_log_prob(starts)).maxCoeff(&best))) {
+    throw Error("posterior: its density is no number above 0 at any of its samples");
+  }
   const Index d = starts.cols();
   const Vector start = prior().to_normal(starts.middleRows(best, 1)).row(0).transpose();
 

@@ -45,7 +45,8 @@ class Posterior {
   virtual Vector relative_log_prob(const RowMatrix& theta) const { return log_prob(theta); }
 
   /// The theta (D) with the largest posterior density: the best of 1000 samples, refined by NLopt
-  /// (Rowan 1990, subplex) in the space where the prior is N(0, I).
+  /// (Rowan 1990, subplex) in the space where the prior is N(0, I). Throws Error where the density
+  /// is no number at any of them.
   virtual Vector map(const StreamId& id) const;
 };
 

@@ -120,7 +120,7 @@ double SurrogatePosterior::estimate_log_normalizer() const {
                          {precision_factor(covariance), Eigen::MatrixXd::Identity(d, d)}};
   around.log_weights << std::log(1.0 - prior_share), std::log(prior_share);
   const RowMatrix points = around.sample(num_points, named(id, "normaliser_points"));
-  return log_mean_exp(log_density(points) - around.log_prob(points));
+  return log_mean_exp(numbers(log_density(points) - around.log_prob(points)));
 }
 
 Vector SurrogatePosterior::relative_log_prob(const RowMatrix& theta) const {

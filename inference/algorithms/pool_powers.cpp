@@ -43,7 +43,7 @@ PoolEvidence evidence_given(NetworkParts parts, const VectorF& x, const RowMatri
 
 double log_prior(PoolPowers powers) {
   const double sum = (powers.posterior + powers.likelihood - 1.0) / 0.3;
-  const double difference = powers.posterior - powers.likelihood;
+  const double difference = (powers.posterior - powers.likelihood) / 0.3;
   return -0.5 * (sum * sum + difference * difference);
 }
 

@@ -1,6 +1,6 @@
 /// The powers of NPE and NLE in their pool (pooled_posterior.h): of a, b = 0, 0.05, ..., a + b <= 2
 /// those with the largest log density of parameters that no network has been trained on,
-///   sum_i log p_{a,b}(u_i | z_i) - ((a + b - 1) / 0.3)^2 / 2 - (a - b)^2 / 2,
+///   sum_i log p_{a,b}(u_i | z_i) - ((a + b - 1) / 0.3)^2 / 2 - ((a - b) / 0.3)^2 / 2,
 ///   log p_{a,b}(u_i | z_i) = log q(u_i | z_i) + w_i0 - log 1/(K + 1) sum_k exp(w_ik),
 /// a concave function of a and b, with w the logs of the pool's weights of draws of q. u_i0 = u_i
 /// is a draw of the posterior given x_i as it is in simulations of the prior, or of what later

@@ -8,6 +8,7 @@
 #include "inference/algorithms/npe_nle.h"
 #include "inference/algorithms/ratio_objective.h"
 #include "inference/dequantized_features.h"
+#include "inference/weighted_population.h"
 
 namespace npdr::inference {
 namespace {
@@ -33,7 +34,8 @@ VectorF importance_weights(const RoundData& data) {
   Vector proposal = Vector::Constant(log_prior.size(), share(1));  // over the prior's density
   for (std::size_t r = 0; r < data.posteriors.size(); ++r) {
     const Vector log_prob = data.posteriors[r]->log_prob(data.theta);
-    proposal += share(r + 2) * (log_prob - log_prior).array().exp().matrix();
+    // A network that says NaN of a row has not proposed it.
+    proposal += share(r + 2) * numbers(log_prob - log_prior).array().exp().matrix();
   }
   return proposal.cwiseInverse().cast<float>();
 }

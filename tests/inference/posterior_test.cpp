@@ -70,6 +70,27 @@ TEST_P(DirectPosteriors, MapIsAtLeastAsLikelyAsAnySample) {
             posterior_.log_prob(posterior_.sample(1000, id)).maxCoeff() - 1e-6);
 }
 
+// A posterior whose density is a number at some of its samples only, or at none.
+class NumberlessPosterior : public Posterior {
+ public:
+  explicit NumberlessPosterior(bool has_numbers) : has_numbers_(has_numbers) {}
+  const Prior& prior() const override { return prior_; }
+  Samples draw(Index n, const StreamId&) const override { return {Vector::LinSpaced(n, 0.1, 0.9)}; }
+  Vector log_prob(const RowMatrix& theta) const override {
+    const auto peak = -(theta.col(0).array() - 0.6).square();
+    return (theta.col(0).array() > (has_numbers_ ? 0.3 : 2.0)).select(peak, kNaN);
+  }
+
+ private:
+  Prior prior_{{{"a", "1", Marginal::Kind::uniform, 0.0, 1.0}}};
+  bool has_numbers_;
+};
+
+TEST(Posterior, MapLeavesOutWhatIsNoNumber) {
+  EXPECT_NEAR(NumberlessPosterior(true).map({1, "map", 0, 0, 0})(0), 0.6, 1e-3);
+  EXPECT_THROW(NumberlessPosterior(false).map({1, "map", 0, 0, 0}), Error);
+}
+
 TEST(DirectPosterior, RejectsPartsThatDontGoTogether) {
   NetworkParts parts = untrained(EstimatorKind::maf).parts();
   parts.parameters.conservativeResize(parts.parameters.size() - 1);
