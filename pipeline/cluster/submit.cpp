@@ -12,14 +12,14 @@
 #include "core/text.h"
 #include "inference/prior.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/cluster/cluster_status.h"
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/job_tag.h"
-#include "pipeline/cluster/ledger.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
+#include "pipeline/process/build_info.h"
 #include "pipeline/process/child_process.h"
-#include "pipeline/process/utc_time.h"
 
 namespace npdr::pipeline {
 namespace {

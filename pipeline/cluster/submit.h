@@ -22,7 +22,7 @@ std::string dry_run_text(const Plan& plan, const std::vector<Job>& jobs,
                          const std::vector<std::string>& options);
 
 /// Writes the scripts to a new folder of <work>/<study>/jobs, submits them in order and notes each
-/// one down in the ledger (ledger.h). Calls `on_job` with each one and its id. Throws Error when
+/// one down in the ledger. Calls `on_job` with each one and its id. Throws Error when
 /// Slurm refuses one: those before it stay submitted, and what isn't can be submitted later. Throws
 /// InputError as job_script(), Error when writing fails.
 void submit_jobs(const Plan& plan, const std::vector<Job>& jobs,

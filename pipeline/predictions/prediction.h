@@ -5,11 +5,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "analysis/metrics.h"
 #include "analysis/quantiles.h"
 #include "analysis/trajectory_view.h"
 #include "inference/feature_transform.h"
+#include "inference/prior.h"
 #include "pipeline/features/observation.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/sources/row_simulator.h"
@@ -80,5 +82,15 @@ class Judge {
 };
 
 analysis::TrajectoryView view_of(const sim::Trajectories& trajectories);
+
+/// Bounds of each parameter of a prior, (D) both.
+struct SearchBox {
+  Vector lower;
+  Vector upper;
+};
+
+/// The prior's bounds, or four deviations around the median where it has none, inside of what is
+/// physically possible for the simulator.
+SearchBox search_box(const std::vector<inference::Marginal>& prior, const sim::SimulatorInfo& info);
 
 }  // namespace npdr::pipeline

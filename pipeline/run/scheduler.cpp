@@ -12,16 +12,9 @@
 #include "core/finding.h"
 #include "core/stop_request.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // Unlike fmt::print(), doesn't throw: a terminal that was closed or a full disk end no run.
 void print(const std::string& text) { std::fputs(text.c_str(), stderr); }
@@ -174,9 +167,7 @@ void Scheduler::start(std::size_t index, int threads) {
   std::error_code none;
   const auto size = std::filesystem::file_size(log.path, none);
   if (!none) log.begin = size;
-  jobs_.push_back({index, threads,
-                   ChildProcess(stage_command(plan_, node), threads, log.path.string()), log,
-                   Clock::now()});
+  jobs_.emplace_back(index, threads, stage_command(plan_, node), std::move(log));
   states_[index] = State::running;
   free_slots_ -= threads;
 }

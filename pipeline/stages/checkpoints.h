@@ -1,7 +1,6 @@
 /// Checkpoints: what an interrupted stage goes on from. Private to pipeline/stages.
 #pragma once
 
-#include <chrono>
 #include <filesystem>
 #include <utility>
 
@@ -9,14 +8,9 @@
 #include "core/stop_request.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/plan/plan.h"
+#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
-
-using Clock = std::chrono::steady_clock;
-
-inline double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 /// The checkpoint of a node, which holds a State with its cost.
 template <class State>

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
+#include <tuple>
 
 #include "core/constants.h"
 #include "core/error.h"
@@ -19,8 +21,8 @@
 #include "pipeline/predictions/scores.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/stages/checkpoints.h"
+#include "pipeline/stages/stage_parts.h"
 #include "pipeline/stages/stages.h"
-#include "pipeline/stages/training_curves.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -289,6 +291,25 @@ static_assert(std::ranges::all_of(enum_table(Check{}), [](const CheckTraits& row
 }));
 
 }  // namespace
+
+inference::TrainingCheck check_training_curves(const PosteriorNotes& notes,
+                                               const inference::TrainingConfig& config) {
+  std::vector<inference::TrainingCheck> checks;
+  const auto check = [&](const TrainingLosses& losses) {
+    return inference::check_training(losses.training, losses.validation, config);
+  };
+  std::ranges::transform(notes.losses, std::back_inserter(checks), check);
+  if (notes.pool && notes.pool->powers.likelihood > 0.0) {
+    for (const TrainingLosses& losses : notes.likelihood_losses) {
+      if (const auto found = check(losses); !found.is_converged) checks.push_back(found);
+    }
+  }
+  const auto is_better = [](const auto& a, const auto& b) {
+    return std::tuple(!a.is_converged, a.generalization_gap) <
+           std::tuple(!b.is_converged, b.generalization_gap);
+  };
+  return *std::ranges::max_element(checks, is_better);
+}
 
 void run_diagnose(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kDiagnosisSchema, node.identity);

@@ -14,7 +14,7 @@
 #include "pipeline/features/targets.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/stages/checkpoints.h"
-#include "pipeline/stages/infer_methods.h"
+#include "pipeline/stages/stage_parts.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {

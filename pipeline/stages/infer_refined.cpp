@@ -12,8 +12,8 @@
 #include "pipeline/predictions/left_out.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/stages/checkpoints.h"
-#include "pipeline/stages/infer_methods.h"
 #include "pipeline/stages/refined_rows.h"
+#include "pipeline/stages/stage_parts.h"
 
 namespace npdr::pipeline {
 namespace {

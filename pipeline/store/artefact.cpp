@@ -10,7 +10,6 @@
 #include "core/parallel.h"
 #include "pipeline/process/batch_job.h"
 #include "pipeline/process/build_info.h"
-#include "pipeline/process/utc_time.h"
 #include "pipeline/store/content_key.h"
 #include "pipeline/store/hostile_json.h"
 #include "pipeline/store/seal.h"
