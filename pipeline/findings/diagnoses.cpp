@@ -16,7 +16,9 @@ constexpr const char* kCalibrationAdvice =
     "more simulations, another embedding, density estimator or algorithm may mend that";
 
 // The area's standard error is 0.32 / sqrt(n); nearer to 0 it says nothing of the width.
-std::string words_of_coverage(const CoverageResult& result, std::uint64_t seed) {
+template <std::optional<CoverageResult> Diagnosis::*member>
+std::string words_of_coverage(const Study& /*study*/, const Diagnosis& found, std::uint64_t seed) {
+  const CoverageResult& result = *(found.*member);
   const double area = result.coverage.area;
   const bool has_sign = std::abs(area) > 1.0 / std::sqrt(static_cast<double>(result.levels.size()));
   std::string often = "too often at some levels and too seldom at others";
@@ -161,18 +163,13 @@ Finding judge<Check::sbc>(const MethodResults& m) {
 
 template <>
 Finding judge<Check::coverage>(const MethodResults& m) {
-  const auto words = [](const Study&, const Diagnosis& found, std::uint64_t seed) {
-    return words_of_coverage(*found.coverage, seed);
-  };
-  return judge_p_value(m, {Check::coverage, words, too_few_ranks});
+  return judge_p_value(m,
+                       {Check::coverage, words_of_coverage<&Diagnosis::coverage>, too_few_ranks});
 }
 
 template <>
 Finding judge<Check::tarp>(const MethodResults& m) {
-  const auto words = [](const Study&, const Diagnosis& found, std::uint64_t seed) {
-    return words_of_coverage(*found.tarp, seed);
-  };
-  return judge_p_value(m, {Check::tarp, words, too_few_ranks});
+  return judge_p_value(m, {Check::tarp, words_of_coverage<&Diagnosis::tarp>, too_few_ranks});
 }
 
 template <>
