@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -20,13 +19,11 @@
 #include "core/shell_text.h"
 #include "core/stop_request.h"
 #include "pipeline/cluster/slurm.h"
-#include "pipeline/process/batch_job.h"
 #include "pipeline/process/build_info.h"
+#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 // Whole lines at once: what the command writes goes to the same file.
 void say(const std::string& line) {
@@ -44,10 +41,6 @@ pid_t start(std::vector<std::string> command) {
   return pid;
 }
 
-int status_of(int status) {
-  return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-}
-
 // Waits for the end; a request to stop goes on to the command once.
 int wait_for(pid_t pid) {
   constexpr useconds_t pause = 20'000;  // [us]
@@ -60,10 +53,8 @@ int wait_for(pid_t pid) {
     }
     usleep(pause);
   }
-  return status_of(status);
+  return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
 }
-
-bool is_first_attempt() { return std::getenv("SLURM_RESTART_COUNT") == nullptr; }
 
 // Slurm ends this process once the job is queued again, at any instant from then on: an exit status
 // before that would count.
@@ -129,16 +120,17 @@ int run_batch_task(const std::vector<std::string>& command) {
   say(begin_line(slurm_task_id(), command));
   const auto start_time = Clock::now();
   const int status = wait_for(start(command));
-  const std::chrono::duration<double> elapsed = Clock::now() - start_time;
+  const double seconds = seconds_since(start_time);
   const bool any_made = unlink(mark.c_str()) == 0;
+  const bool is_first = std::getenv("SLURM_RESTART_COUNT") == nullptr;
   const bool is_out_of_time = !slurm_task_id().empty() && ran_out_of_time(status);
-  if (is_out_of_time && !any_made && !is_first_attempt()) {
+  if (is_out_of_time && !any_made && !is_first) {
     say("npdr task: nothing got done within the time limit of an attempt that isn't the first; "
         "raise 'time' in the study's [cluster], or lower simulate.shard_size");
-    say(end_line(static_cast<int>(ExitStatus::failed), elapsed.count()));
+    say(end_line(static_cast<int>(ExitStatus::failed), seconds));
     return static_cast<int>(ExitStatus::failed);
   }
-  say(end_line(status, elapsed.count()));
+  say(end_line(status, seconds));
   if (is_out_of_time) queue_again();
   return status;
 }

@@ -16,9 +16,7 @@
 #include "core/file_error.h"
 #include "core/text.h"
 #include "pipeline/cluster/batch_task.h"
-#include "pipeline/cluster/job_script.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/plan/shards.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -77,7 +75,7 @@ std::string task_id(const LedgerEntry& entry, Index index) {
 // A task that is over without its result: why, and where to read more. Empty for one that never
 // began because another one failed, or whose result has been removed since.
 std::string failure_text(const LedgerEntry& entry, const std::string& id) {
-  const std::filesystem::path log = log_of_task(entry.logs, entry.stem, id);
+  const std::filesystem::path log = entry.logs / fmt::format("{}-{}.log", entry.stem, id);
   const bool has_log = std::filesystem::exists(log);
   const std::optional<TaskEnd> end = has_log ? end_in_log(log) : std::nullopt;
   if (end && end->exit_status == 0) return "";

@@ -43,7 +43,9 @@ class Predictor {
   Vector rmse(const RowMatrix& theta) const;
 
  private:
-  analysis::MetricsConfig metrics_config() const;
+  analysis::Metrics metrics() const {
+    return analysis::Metrics(target(), {.segment_length = plan_.study.simulator.segment_length});
+  }
 
   const Plan& plan_;
   Observation observation_;

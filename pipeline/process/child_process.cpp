@@ -19,7 +19,7 @@
 #include "core/file_error.h"
 #include "core/open_file.h"
 #include "core/pipe.h"
-#include "pipeline/process/batch_job.h"
+#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -30,18 +30,15 @@ constexpr int kChildDescriptor = 3;
 // sleep, unless the user wants them to spin: beside another process that has the core, spinning
 // takes many times as long as the work.
 std::vector<std::string> child_environment(int threads) {
-  std::vector<std::string> variables;
-  bool has_policy = false;
+  std::vector<std::string> variables = {"OMP_NUM_THREADS=" + std::to_string(threads),
+                                        "NPDR_PROGRESS_FD=" + std::to_string(kChildDescriptor)};
+  if (std::getenv("OMP_WAIT_POLICY") == nullptr) variables.push_back("OMP_WAIT_POLICY=passive");
   for (char** v = environ; *v != nullptr; ++v) {
     const std::string variable = *v;
-    has_policy = has_policy || variable.starts_with("OMP_WAIT_POLICY=");
     if (!variable.starts_with("OMP_NUM_THREADS=") && !variable.starts_with("NPDR_PROGRESS_FD=")) {
       variables.push_back(variable);
     }
   }
-  if (!has_policy) variables.push_back("OMP_WAIT_POLICY=passive");
-  variables.push_back("OMP_NUM_THREADS=" + std::to_string(threads));
-  variables.push_back("NPDR_PROGRESS_FD=" + std::to_string(kChildDescriptor));
   return variables;
 }
 
@@ -113,10 +110,6 @@ void ChildProcess::parse(const std::string& line) {
   const bool is_first = state_.total == 0 && state_.done == 0;
   state.begun = is_first ? state.done : state_.begun;
   state_ = state;
-}
-
-void ChildProcess::send_signal(int signal) const {
-  if (pid_ > 0) kill(pid_, signal);
 }
 
 bool ChildProcess::has_ended() {

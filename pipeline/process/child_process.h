@@ -4,6 +4,7 @@
 #include <sys/types.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -42,7 +43,9 @@ class ChildProcess {
   /// Seconds since anything came, or since its start.
   double silence() const { return seconds_since(last_news_); }
 
-  void send_signal(int signal) const;
+  void send_signal(int signal) const {
+    if (pid_ > 0) kill(pid_, signal);
+  }
   /// True once the child has ended; then exit_status() is its status, or 128 + the signal.
   bool has_ended();
   int exit_status() const { return exit_status_; }

@@ -18,15 +18,10 @@ namespace {
 
 const std::string kAnyMethod = "(any)";
 
-std::string counts(const RunProgress& run) {
-  return fmt::format("{} of {} artefacts", run.num_made, run.num_missing);
-}
-
 // "01:24, 00:31 left"; "01:24" where what is left isn't known, or nothing.
 std::string time_text(const RunProgress& run) {
-  const std::string passed = clock_text(run.seconds);
-  if (run.seconds_left.value_or(0.0) <= 0.0) return passed;
-  return passed + ", " + clock_text(*run.seconds_left) + " left";
+  const bool is_known = run.seconds_left.value_or(0.0) > 0.0;
+  return clock_text(run.seconds) + (is_known ? ", " + clock_text(*run.seconds_left) + " left" : "");
 }
 
 std::string tail_of(const JobLog& log) {
@@ -130,9 +125,9 @@ std::string silence_text(double seconds) {
 std::vector<std::string> live_lines(const RunProgress& run, const TerminalSize& size) {
   const int bar_width = size.columns < 60 ? 12 : 24;
   const std::string percent = run.share ? fmt::format("{:3.0f} % ", 100.0 * *run.share) : "";
-  std::vector<std::string> lines = {fmt::format("{} {} {}{}, {}", run.study,
+  std::vector<std::string> lines = {fmt::format("{} {} {}{}, {} of {} artefacts", run.study,
                                                 bar(run.share.value_or(0.0), bar_width), percent,
-                                                time_text(run), counts(run))};
+                                                time_text(run), run.num_made, run.num_missing)};
   constexpr std::size_t rows_of_others = 3;
   const auto rows = static_cast<std::size_t>(size.rows);
   if (run.jobs.size() + rows_of_others <= rows) {
@@ -145,7 +140,8 @@ std::vector<std::string> live_lines(const RunProgress& run, const TerminalSize& 
 
 std::string log_line(const RunProgress& run) {
   const std::string percent = run.share ? fmt::format("{:.0f} %, ", 100.0 * *run.share) : "";
-  std::string text = fmt::format("{}: {}{} [{}]", run.study, percent, counts(run), time_text(run));
+  std::string text = fmt::format("{}: {}{} of {} artefacts [{}]", run.study, percent, run.num_made,
+                                 run.num_missing, time_text(run));
   for (const std::string& job : run.jobs) text += " | " + job;
   return text;
 }

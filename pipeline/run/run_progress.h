@@ -1,6 +1,6 @@
-/// How far a run has come, how long it still takes, and how `npdr run` shows that and
-/// failures. Artefacts count
-/// by what they cost: a simulation of ten thousand rows and a proposal not as one another.
+/// How far a run has come, how long it still takes, and how `npdr run` shows that and failures.
+/// Artefacts count by what they cost: a simulation of ten thousand rows and a proposal not as one
+/// another.
 #pragma once
 
 #include <cstdint>

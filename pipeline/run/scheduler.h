@@ -2,7 +2,6 @@
 /// time.
 #pragma once
 
-#include <chrono>
 #include <list>
 #include <optional>
 #include <string>
@@ -67,12 +66,10 @@ class Scheduler {
   void wait_for_news();
   void collect_ended_jobs();
   void end_of(const Job& job);
-  void print_warnings(const Node& node, const std::vector<std::string>& warnings);
   void pass_on_stop_request();
   /// Core-seconds of a job so far, and of what is left of it; none where nothing tells.
   static double spent(const Job& job);
   std::optional<double> left(const Job& job) const;
-  /// Share of the run's work that is done, as WorkLeft has it.
   std::optional<double> share_done() const;
   std::string job_text(const Job& job) const;
   void show_progress(bool force);

@@ -20,7 +20,6 @@
 #include "pipeline/features/targets.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/stages/checkpoints.h"
 #include "pipeline/stages/stage_parts.h"
 #include "pipeline/stages/stages.h"
 
@@ -46,9 +45,9 @@ struct Case {
   const MethodConfig& method;
   Observation observation;
   DiagnoseConfig config;
-  std::unique_ptr<inference::Embedding> embedding;
-  VectorF x_o;
-  Calibration calibration;  // where any check calibrates
+  std::unique_ptr<inference::Embedding> embedding = nullptr;
+  VectorF x_o = {};
+  Calibration calibration = {};  // where any check calibrates
 
   const Node& last_posterior() const { return plan.input(node, "posterior"); }
   // Of round 1, which has learned from the whole prior.
@@ -65,41 +64,27 @@ Case make_case(const Plan& plan, const Node& node) {
          .node = node,
          .method = method,
          .observation = {plan.study, read_seen_target(plan, node)},
-         .config = plan.study.diagnose_of(method).of_diagnosis(),
-         .embedding = nullptr,
-         .x_o = {},
-         .calibration = {}};
+         .config = plan.study.diagnose_of(method).of_diagnosis()};
   c.embedding = inference::make_embedding(method.embedding, c.observation.target(),
                                           plan.study.simulator.store_every);
   c.x_o = c.observation.x_o(*c.embedding);
   return c;
 }
 
-void require_rows(const Case& c, Index found, Index failed) {
-  if (found >= inference::kFewestSimulations) return;
-  throw InputError(
-      fmt::format("{}: {} simulations of calibration and {} failed ones, must be at least {} good "
-                  "ones; raise diagnose.num_simulations",
-                  c.node.label(), found, failed, inference::kFewestSimulations));
-}
-
-RowMatrixF all_features(const SimulationFeatures& source) {
-  std::vector<std::uint32_t> rows(static_cast<std::size_t>(source.num_rows()));
-  std::iota(rows.begin(), rows.end(), 0u);
-  RowMatrixF x;
-  source.gather(rows, 0, x);
-  return x;
-}
-
 Calibration calibrate(const Case& c, ArtefactWriter& writer) {
   const SimulationFeatures features(c.plan, std::vector{&c.plan.input(c.node, "calibration")},
                                     c.observation, *c.embedding);
-  require_rows(c, features.num_rows(), features.num_failed());
-  Calibration made{read_network_posterior(c.first_posterior()),
-                   features.num_failed(),
-                   features.theta(),
-                   all_features(features),
-                   {}};
+  if (features.num_rows() < inference::kFewestSimulations) {
+    throw InputError(fmt::format(
+        "{}: {} simulations of calibration and {} failed ones, must be at least {} good ones; "
+        "raise diagnose.num_simulations",
+        c.node.label(), features.num_rows(), features.num_failed(), inference::kFewestSimulations));
+  }
+  std::vector<std::uint32_t> all(static_cast<std::size_t>(features.num_rows()));
+  std::iota(all.begin(), all.end(), 0u);
+  Calibration made{
+      read_network_posterior(c.first_posterior()), features.num_failed(), features.theta(), {}, {}};
+  features.gather(all, 0, made.x);
   Checkpoints checkpoints(c.plan, c.node, kDiagnosisCheckpointSchema);
   DiagnosisCheckpoint earlier =
       read_diagnosis_checkpoint(checkpoints.file(), made.theta, c.config.num_samples);
@@ -214,14 +199,6 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
   return result;
 }
 
-// A posterior whose samples can't be simulated doesn't predict what was observed.
-PredictiveResult without_predictions(PredictiveResult result) {
-  result.median.setConstant(result.observed.size(), kNaN);
-  result.check.summary_p_value.setZero(result.observed.size());
-  result.check.p_value = 0.0;
-  return result;
-}
-
 PredictiveResult check_predictions(const Case& c) {
   const RowMatrix theta = read_posterior(c.last_posterior())
                               ->sample(c.config.num_samples, c.stream("diagnose_predictive"));
@@ -231,10 +208,13 @@ PredictiveResult check_predictions(const Case& c) {
   result.names = summary_names(selection, c.observation.target().state_channels);
   result.observed = summarize(c.observation.picked(selection), selection);
   result.num_failed = predictions.num_failed;
+  result.median.setConstant(result.observed.size(), kNaN);
+  // A posterior whose samples can't be simulated doesn't predict what was observed.
   if (predictions.features.rows() < inference::kFewestSimulations) {
-    return without_predictions(std::move(result));
+    result.check.summary_p_value.setZero(result.observed.size());
+    result.check.p_value = 0.0;
+    return result;
   }
-  result.median.resize(result.observed.size());
   for (Index s = 0; s < result.median.size(); ++s) {
     result.median(s) = upper_median(Vector(predictions.summaries.col(s)));
   }

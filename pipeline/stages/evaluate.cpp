@@ -25,14 +25,6 @@ sim::Trajectories repeat(const sim::Trajectories& one, Index count) {
   return many;
 }
 
-// A single rollout as a prediction: with noise, it is one of as many samples as a posterior has.
-RolloutScores score_point(const Plan& plan, const Judge& judge, const PredictedRollouts& one,
-                          const StreamId& id) {
-  const Index count = plan.study.evaluate.num_samples;
-  const PredictedRollouts many{repeat(one.seen, count), repeat(one.held_out, count)};
-  return score(judge, many, draw_noise(judge.seen().observation(), many.seen, {}, id), id);
-}
-
 // `number`: that of the point, which names the random numbers of a simulator that draws some.
 BaselinePoint measure(const Plan& plan, const Judge& judge, const std::string& name,
                       const Vector& complete, std::size_t number) {
@@ -40,9 +32,12 @@ BaselinePoint measure(const Plan& plan, const Judge& judge, const std::string& n
       judge.simulate(complete.transpose(), {0, "external_baseline", 0, number, 0});
   BaselinePoint point{name, plan.source->parameters().pick_one(complete),
                       judge.measure_one(predicted)};
-  if (plan.study.source().gives_motion) {
-    point.scores = score_point(plan, judge, predicted, {0, "baseline_scores", number, 0, 0});
-  }
+  if (!plan.study.source().gives_motion) return point;
+  // With noise, a single rollout is one of as many samples as a posterior has.
+  const Index count = plan.study.evaluate.num_samples;
+  const PredictedRollouts many{repeat(predicted.seen, count), repeat(predicted.held_out, count)};
+  const StreamId id{0, "baseline_scores", number, 0, 0};
+  point.scores = score(judge, many, draw_noise(judge.seen().observation(), many.seen, {}, id), id);
   return point;
 }
 
@@ -72,17 +67,13 @@ analysis::FloorConfig floor_config(Index num_evaluations) {
   return config;
 }
 
-// Nominal values inside of the box; the middle of it where there are none.
-Vector search_start(const ParameterMap& parameters, const SearchBox& box) {
-  const Vector nominal = parameters.pick_one(parameters.nominal());
-  const Vector middle = 0.5 * (box.lower + box.upper);
-  return nominal.array().isFinite().select(nominal, middle).cwiseMax(box.lower).cwiseMin(box.upper);
-}
-
 BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge) {
   const ParameterMap& parameters = plan.source->parameters();
   const SearchBox box = search_box(plan.study.prior, plan.source->info());
-  const Vector start = search_start(parameters, box);
+  const Vector nominal = parameters.pick_one(parameters.nominal());
+  const Vector middle = 0.5 * (box.lower + box.upper);  // where there are no nominal values
+  const Vector start =
+      nominal.array().isFinite().select(nominal, middle).cwiseMax(box.lower).cwiseMin(box.upper);
   Progress progress(node.label() + ", floor evaluations", 0);
   Index num_evaluations = 0;
   const auto objective = [&](const RowMatrix& theta) {

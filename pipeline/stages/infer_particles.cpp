@@ -8,7 +8,7 @@
 #include "pipeline/features/simulation_distances.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/plan/shards.h"
+#include "pipeline/plan/completeness.h"
 #include "pipeline/stages/stage_parts.h"
 #include "sim/simulator_check.h"
 
@@ -50,18 +50,6 @@ Vector euclidean_distances(const Plan& plan, const Node& node, Target target, In
   return distances;
 }
 
-Index count_infinite(const Vector& distances) { return (distances.array() == kInfinity).count(); }
-
-RegressionCounts count(const inference::Prior& prior, const sim::SimulatorInfo& info,
-                       const RowMatrix& complete, const RowMatrix& theta) {
-  RegressionCounts counts{.samples = theta.rows()};
-  for (Index i = 0; i < theta.rows(); ++i) {
-    if (!sim::is_possible(complete.row(i), info)) ++counts.non_physical;
-    if (!prior.contains(theta.row(i).transpose())) ++counts.outside_prior;
-  }
-  return counts;
-}
-
 }  // namespace
 
 void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
@@ -86,7 +74,7 @@ void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
                          {use.seed, "abc", use.stream_round(), 0, 0});
 
   RowCounts counts = previous ? previous->rows : RowCounts{};
-  const Index failed = count_infinite(round.distances);
+  const Index failed = (round.distances.array() == kInfinity).count();
   counts.used += round.theta.rows() - failed;
   counts.failed += failed;
   write_particles(file, name_of(method.algorithm.kind),
@@ -125,8 +113,11 @@ void infer_regression(const Plan& plan, const Node& node, h5::File& file) {
                                  .weights = Vector::Constant(n, 1.0 / static_cast<double>(n)),
                                  .space = inference::ParticleSpace::theta};
   write_particles(file, name_of(method.algorithm.kind), parts, {});
-  RegressionCounts counts = count(prior, simulator->info(), complete, theta);
-  counts.weights = weights;
+  RegressionCounts counts{.samples = n, .weights = weights};
+  for (Index i = 0; i < n; ++i) {
+    if (!sim::is_possible(complete.row(i), simulator->info())) ++counts.non_physical;
+    if (!prior.contains(theta.row(i).transpose())) ++counts.outside_prior;
+  }
   write_part(file, counts);
 }
 

@@ -14,7 +14,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/stages/checkpoints.h"
+#include "pipeline/stages/stage_parts.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -36,11 +36,6 @@ RowMatrix draw_domain_parameters(const Plan& plan, const Node& node, Index n) {
   return parameters.complete(inference::sample_prior(inference::Prior(plan.study.prior), n, id));
 }
 
-bool is_nominal(const Plan& plan, const Node& node) {
-  return plan.study.method(node.uses.front().method).algorithm.kind ==
-         inference::Algorithm::nominal;
-}
-
 // Parameters and states that the candidates of an iteration are tried on, the same for all.
 struct Trials {
   RowMatrix theta;           // (K, P)
@@ -55,7 +50,8 @@ class TrialSource {
       : node_(node), task_(task) {
     const PolicyConfig& policy = plan.study.policy;
     const Index k = policy.num_domain_parameters;
-    if (is_nominal(plan, node)) {
+    if (plan.study.method(node.uses.front().method).algorithm.kind ==
+        inference::Algorithm::nominal) {
       // One parameter vector: as many rollouts, each from an initial state of its own.
       num_states_ = k * policy.num_initial_states;
       theta_ = plan.source->parameters().nominal().transpose().replicate(num_iterations + 1, 1);
@@ -193,10 +189,6 @@ PolicyOutcomes try_policy(const Node& node, const sim::PolicyTask& task, const R
   return outcomes;
 }
 
-PolicyOutcomes part_of(const PolicyOutcomes& all, Index begin, Index count) {
-  return {all.returns.middleRows(begin, count), all.success.middleRows(begin, count)};
-}
-
 }  // namespace
 
 void run_policy(const Plan& plan, const Node& node) {
@@ -224,8 +216,12 @@ void run_policy_test(const Plan& plan, const Node& node) {
   const RowMatrix theta = tested_parameters(study, *plan.source);
   const PolicyOutcomes all = try_policy(node, *task, theta, test);
   const Index num_targets = study.target.truth ? 1 : 0, num_points = theta.rows() - num_targets;
-  if (num_targets > 0) test.target = part_of(all, 0, num_targets);
-  if (num_points > 0) test.grid = part_of(all, num_targets, num_points);
+  const auto part = [&](Index begin, Index count) {
+    return PolicyOutcomes{all.returns.middleRows(begin, count),
+                          all.success.middleRows(begin, count)};
+  };
+  if (num_targets > 0) test.target = part(0, num_targets);
+  if (num_points > 0) test.grid = part(num_targets, num_points);
   test.info = task->info();
   test.states = sim::make_simulator(study.simulator)->info().state_channels;
   test.axes = study.policy.grid;

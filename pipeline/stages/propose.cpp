@@ -55,13 +55,6 @@ Target collect(const Plan& plan, const Node& node) {
   return target;
 }
 
-// What isn't measured, or only simulated, may well rest.
-void warn_of_rest(const Study& study, const Node& node, const Target& truth) {
-  const std::string problem = motion_problem(study, truth);
-  if (problem.empty() || study.evaluate.metrics.empty()) return;
-  report_warning(node.label(), "no evaluation can measure this: " + problem);
-}
-
 // The rollouts that inference sees, or those that are held out, of a fold or of all; or x_o.
 void write_part(const Plan& plan, const Node& node, const Target& all, h5::File& file) {
   const Index num_seen = all.num_rollouts() - plan.study.target.held_out;
@@ -70,7 +63,11 @@ void write_part(const Plan& plan, const Node& node, const Target& all, h5::File&
     write_observation(file, all);
   } else {
     if (plan.study.target.recording) require_motion(plan.study, all);
-    if (plan.study.target.truth) warn_of_rest(plan.study, node, all);
+    const std::string problem = plan.study.target.truth ? motion_problem(plan.study, all) : "";
+    // What isn't measured, or only simulated, may well rest.
+    if (!problem.empty() && !plan.study.evaluate.metrics.empty()) {
+      report_warning(node.label(), "no evaluation can measure this: " + problem);
+    }
     const Target used = all.first(num_seen), seen = without_fold(plan.study, used, fold);
     if (node.stage == Stage::target) return write_rollouts(file, seen);
     const Target rest = fold > 0 ? of_fold(plan.study, used, fold) : all.after(num_seen);
