@@ -16,7 +16,7 @@
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_template.h"
-#include "pipeline/plan/shards.h"
+#include "pipeline/plan/completeness.h"
 
 namespace npdr::pipeline {
 namespace {

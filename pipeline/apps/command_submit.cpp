@@ -16,7 +16,6 @@
 #include "pipeline/cluster/batch_task.h"
 #include "pipeline/cluster/cluster_status.h"
 #include "pipeline/cluster/job_tag.h"
-#include "pipeline/cluster/ledger.h"
 #include "pipeline/cluster/submit.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_reader.h"

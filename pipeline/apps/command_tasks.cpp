@@ -10,7 +10,6 @@
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/plan/shards.h"
 #include "pipeline/run/scheduler.h"
 
 namespace npdr::pipeline {

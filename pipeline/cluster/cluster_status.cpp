@@ -1,18 +1,53 @@
 #include "pipeline/cluster/cluster_status.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/atomic_file.h"
+#include "core/error.h"
+#include "core/file_error.h"
 #include "core/text.h"
-#include "pipeline/cluster/job_script.h"
-#include "pipeline/cluster/task_log.h"
+#include "pipeline/cluster/batch_task.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/plan/shards.h"
 
 namespace npdr::pipeline {
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::filesystem::path ledger_of(const Plan& plan) { return jobs_folder(plan) / "submitted.jsonl"; }
+
+std::filesystem::path lock_of(const Plan& plan) {
+  make_folder(jobs_folder(plan));
+  return jobs_folder(plan) / ".lock";
+}
+
+Json to_json(const LedgerEntry& entry) {
+  return {{"job", entry.job},
+          {"tag", entry.tag.text()},
+          {"tasks", entry.tasks},
+          {"script", entry.script.string()},
+          {"logs", entry.logs.string()},
+          {"stem", entry.stem},
+          {"submitted", entry.submitted}};
+}
+
+LedgerEntry entry_of(const Json& json) {
+  const auto tag = parse_tag(json.at("tag").get<std::string>());
+  if (!tag) throw InputError("not a tag");
+  return {json.at("job").get<std::string>(),          *tag,
+          json.at("tasks").get<std::vector<Index>>(), json.at("script").get<std::string>(),
+          json.at("logs").get<std::string>(),         json.at("stem").get<std::string>(),
+          json.at("submitted").get<std::string>()};
+}
 
 using Ledger = std::vector<LedgerEntry>;
 
@@ -40,7 +75,7 @@ std::string task_id(const LedgerEntry& entry, Index index) {
 // A task that is over without its result: why, and where to read more. Empty for one that never
 // began because another one failed, or whose result has been removed since.
 std::string failure_text(const LedgerEntry& entry, const std::string& id) {
-  const std::filesystem::path log = log_of_task(entry.logs, entry.stem, id);
+  const std::filesystem::path log = entry.logs / fmt::format("{}-{}.log", entry.stem, id);
   const bool has_log = std::filesystem::exists(log);
   const std::optional<TaskEnd> end = has_log ? end_in_log(log) : std::nullopt;
   if (end && end->exit_status == 0) return "";
@@ -98,6 +133,52 @@ std::string examples(const std::vector<QueuedTask>& tasks, bool with_node) {
 }
 
 }  // namespace
+
+std::filesystem::path jobs_folder(const Plan& plan) {
+  return plan.work.study(plan.study.name) / "jobs";
+}
+
+SubmissionLock::SubmissionLock(const Plan& plan)
+    : file_(lock_of(plan), O_RDWR | O_CREAT | O_NOFOLLOW) {
+  const int error = errno;
+  const std::filesystem::path path = lock_of(plan);
+  if (!file_.is_open()) throw_file_error(path, "be written", error);
+  constexpr int patience = 600;
+  constexpr useconds_t pause = 100'000;  // [us]
+  for (int i = 0; i < patience; ++i) {
+    if (flock(file_.value(), LOCK_EX | LOCK_NB) == 0) return;
+    if (errno != EWOULDBLOCK && errno != EINTR) return;  // there are no locks here
+    usleep(pause);
+  }
+  throw Error(path.string() + ": somebody else submits this study; try again later");
+}
+
+// One write, as a rule: lines of two programs don't mix.
+void append_to_ledger(const Plan& plan, const LedgerEntry& entry) {
+  const std::filesystem::path path = ledger_of(plan);
+  make_folder(path.parent_path());
+  // Paths needn't be UTF-8; JSON must.
+  const std::string line =
+      to_json(entry).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  const OpenFile file(path, O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW);
+  if (!file.is_open() || !file.write(line) || fsync(file.value()) != 0) {
+    throw Error(fmt::format("{}, so job {} isn't in the ledger",
+                            file_error_text(path, "be written", errno), entry.job));
+  }
+}
+
+std::vector<LedgerEntry> read_ledger(const Plan& plan) {
+  std::vector<LedgerEntry> entries;
+  std::ifstream file(ledger_of(plan));
+  for (std::string line; std::getline(file, line);) {
+    try {
+      entries.push_back(entry_of(Json::parse(line)));
+    } catch (const std::exception&) {
+      continue;
+    }
+  }
+  return entries;
+}
 
 std::vector<std::string> NodeJobs::details() const {
   std::vector<std::string> now;

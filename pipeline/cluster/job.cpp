@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pipeline/plan/shards.h"
+#include "pipeline/plan/completeness.h"
 #include "pipeline/run/scheduler.h"
 
 namespace npdr::pipeline {

@@ -10,7 +10,6 @@
 
 #include "core/text.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/plan/shards.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
@@ -28,18 +27,13 @@ std::string work_digits(const WorkFolder& work) {
   return hasher.hex().substr(0, kWorkDigits);
 }
 
-std::map<std::string, std::size_t> nodes_by_key(const Plan& plan) {
-  std::map<std::string, std::size_t> nodes;
-  for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
-    nodes[plan.nodes[i].key.substr(0, kKeyDigits)] = i;
-  }
-  return nodes;
-}
-
 // visit(task, tag, node) for each node of the plan that a task makes, or helps to.
 template <class Visit>
 void for_each_node(const Plan& plan, const std::vector<QueuedTask>& tasks, const Visit& visit) {
-  const std::map<std::string, std::size_t> nodes = nodes_by_key(plan);
+  std::map<std::string, std::size_t> nodes;  // by the digits of their keys
+  for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
+    nodes[plan.nodes[i].key.substr(0, kKeyDigits)] = i;
+  }
   const std::string work = work_digits(plan.work);
   for (const QueuedTask& task : tasks) {
     const std::optional<JobTag> tag = parse_tag(task.comment);
@@ -53,14 +47,42 @@ void for_each_node(const Plan& plan, const std::vector<QueuedTask>& tasks, const
 
 // A job that isn't an array makes all that is missing.
 void add_shards(const JobTag& tag, const QueuedTask& task, Index num_shards, InFlight& found) {
-  if (tag.shards_per_task == 0 || !task.index) {
-    for (Index shard = 0; shard < num_shards; ++shard) found.shards.insert(shard);
-    return;
+  Index first = 0, end = num_shards;
+  if (tag.shards_per_task > 0 && task.index) {
+    found.shards_per_task = tag.shards_per_task;
+    first = (tag.first_task + *task.index) * tag.shards_per_task;
+    end = std::min(first + tag.shards_per_task, num_shards);
   }
-  found.shards_per_task = tag.shards_per_task;
-  const Index first = (tag.first_task + *task.index) * tag.shards_per_task;
-  const Index end = std::min(first + tag.shards_per_task, num_shards);
   for (Index shard = first; shard < end; ++shard) found.shards.insert(shard);
+}
+
+using Flights = std::vector<InFlight>;
+
+bool will_come(const Plan& plan, std::size_t i, const Flights& flights) {
+  const Node& node = plan.nodes[i];
+  if (is_complete(plan, node)) return true;
+  if (node.stage != Stage::simulate) return flights[i].is_made();
+  return std::ranges::all_of(missing_shards(plan, node),
+                             [&](Index shard) { return flights[i].shards.contains(shard); });
+}
+
+// Those whose own needs don't come; what waits for them is found when they are left out.
+std::set<std::string> doomed_now(const Plan& plan, const std::vector<QueuedTask>& tasks) {
+  std::set<std::string> begun;
+  for (const QueuedTask& task : tasks) {
+    if (task.is_running()) begun.insert(task.job);
+  }
+  const Flights flights = in_flight(plan, tasks);
+  std::set<std::string> doomed;
+  for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
+    std::set<std::string> jobs = flights[i].helpers;
+    jobs.insert(flights[i].jobs.begin(), flights[i].jobs.end());
+    if (jobs.empty() || is_complete(plan, plan.nodes[i])) continue;
+    const auto comes = [&](std::size_t need) { return will_come(plan, need, flights); };
+    if (std::ranges::all_of(plan.nodes[i].needs, comes)) continue;
+    std::ranges::set_difference(jobs, begun, std::inserter(doomed, doomed.end()));
+  }
+  return doomed;
 }
 
 }  // namespace
@@ -116,43 +138,6 @@ std::vector<QueuedTask> tasks_of(const Plan& plan, const std::vector<QueuedTask>
   return ours;
 }
 
-namespace {
-
-using Flights = std::vector<InFlight>;
-
-bool will_come(const Plan& plan, std::size_t i, const Flights& flights) {
-  const Node& node = plan.nodes[i];
-  if (is_complete(plan, node)) return true;
-  if (node.stage != Stage::simulate) return flights[i].is_made();
-  return std::ranges::all_of(missing_shards(plan, node),
-                             [&](Index shard) { return flights[i].shards.contains(shard); });
-}
-
-// Those whose own needs don't come; what waits for them is found when they are left out.
-std::set<std::string> doomed_now(const Plan& plan, const std::vector<QueuedTask>& tasks) {
-  std::set<std::string> begun;
-  for (const QueuedTask& task : tasks) {
-    if (task.is_running()) begun.insert(task.job);
-  }
-  const Flights flights = in_flight(plan, tasks);
-  std::set<std::string> doomed;
-  for (std::size_t i = 0; i < plan.nodes.size(); ++i) {
-    std::set<std::string> jobs = flights[i].helpers;
-    jobs.insert(flights[i].jobs.begin(), flights[i].jobs.end());
-    if (jobs.empty() || is_complete(plan, plan.nodes[i])) continue;
-    const auto& needs = plan.nodes[i].needs;
-    if (std::ranges::all_of(needs, [&](std::size_t n) { return will_come(plan, n, flights); })) {
-      continue;
-    }
-    for (const std::string& job : jobs) {
-      if (!begun.contains(job)) doomed.insert(job);
-    }
-  }
-  return doomed;
-}
-
-}  // namespace
-
 std::vector<std::string> doomed_jobs(const Plan& plan, const std::vector<QueuedTask>& tasks) {
   std::vector<std::string> all;
   std::vector<QueuedTask> left = tasks;
@@ -166,10 +151,9 @@ std::vector<std::string> doomed_jobs(const Plan& plan, const std::vector<QueuedT
 
 std::vector<QueuedTask> without_jobs(const std::vector<QueuedTask>& tasks,
                                      const std::vector<std::string>& jobs) {
-  std::vector<QueuedTask> left;
-  std::ranges::copy_if(tasks, std::back_inserter(left), [&](const QueuedTask& task) {
-    return std::ranges::find(jobs, task.job) == jobs.end();
-  });
+  std::vector<QueuedTask> left = tasks;
+  std::erase_if(left,
+                [&](const QueuedTask& task) { return std::ranges::count(jobs, task.job) > 0; });
   return left;
 }
 

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "core/atomic_file.h"
@@ -57,7 +58,9 @@ Answer ask(const std::vector<std::string>& words) {
   return answer;
 }
 
-[[noreturn]] void fail(const std::vector<std::string>& words, const Answer& answer) {
+std::string ask_or_fail(const std::vector<std::string>& words) {
+  const Answer answer = ask(words);
+  if (answer.result.succeeded()) return answer.text;
   if (answer.result.exit_status == kNotFound) {
     throw Error(fmt::format(
         "there is no Slurm here: '{}' isn't on the PATH; docs/cluster.md says how other batch "
@@ -68,38 +71,26 @@ Answer ask(const std::vector<std::string>& words) {
                           answer.result.output));
 }
 
-std::string ask_or_fail(const std::vector<std::string>& words) {
-  const Answer answer = ask(words);
-  if (!answer.result.succeeded()) fail(words, answer);
-  return answer.text;
-}
-
-std::string dependency_of(const Submission& submission) {
-  using Ids = const std::vector<std::string>*;
-  std::vector<std::string> parts;
-  for (const auto& [kind, ids] : {std::pair<const char*, Ids>{"afterok", &submission.after_ok},
-                                  {"afterany", &submission.after_any},
-                                  {"after", &submission.after}}) {
-    if (!ids->empty()) parts.push_back(fmt::format("{}:{}", kind, join(*ids, ":")));
-  }
-  return join(parts, ",");
-}
-
 }  // namespace
 
 std::vector<std::string> sbatch_command(const Submission& submission) {
   std::vector<std::string> words = {"sbatch", "--parsable"};
   if (!submission.array.empty()) words.push_back("--array=" + submission.array);
-  const std::string dependency = dependency_of(submission);
-  if (!dependency.empty()) words.push_back("--dependency=" + dependency);
+  using Ids = const std::vector<std::string>*;
+  std::vector<std::string> dependencies;
+  for (const auto& [kind, ids] : {std::pair<const char*, Ids>{"afterok", &submission.after_ok},
+                                  {"afterany", &submission.after_any},
+                                  {"after", &submission.after}}) {
+    if (!ids->empty()) dependencies.push_back(fmt::format("{}:{}", kind, join(*ids, ":")));
+  }
+  if (!dependencies.empty()) words.push_back("--dependency=" + join(dependencies, ","));
   words.insert(words.end(), submission.options.begin(), submission.options.end());
   words.push_back(submission.script);
   return words;
 }
 
 std::string submit_to_slurm(const Submission& submission) {
-  const std::vector<std::string> words = sbatch_command(submission);
-  const std::string text = ask_or_fail(words);
+  const std::string text = ask_or_fail(sbatch_command(submission));
   // "17", or "17;cluster" where there are several.
   const std::string id = text.substr(0, text.find_first_of(";\n"));
   if (!parse_count(id)) {
@@ -111,10 +102,9 @@ std::string submit_to_slurm(const Submission& submission) {
 // Not by --array, which makes a line of each task: Slurm 22.05 leaves out the last one of some
 // arrays then.
 std::vector<QueuedTask> queued_tasks() {
-  const std::string user = std::to_string(getuid());
+  const std::string answer = ask_or_fail(
+      {"squeue", "--noheader", fmt::format("--user={}", getuid()), "--format=%F|%K|%T|%r|%N|%k"});
   std::vector<QueuedTask> tasks;
-  const std::string answer =
-      ask_or_fail({"squeue", "--noheader", "--user=" + user, "--format=%F|%K|%T|%r|%N|%k"});
   for (const std::string& line : split(answer, '\n')) {
     for (QueuedTask& task : parse_queued_tasks(line)) {
       if (task.state != "COMPLETING") tasks.push_back(std::move(task));
@@ -166,8 +156,8 @@ void cancel_in_slurm(const std::vector<std::string>& ids) {
   constexpr std::size_t at_once = 200;
   for (std::size_t i = 0; i < ids.size(); i += at_once) {
     std::vector<std::string> words = {"scancel"};
-    words.insert(words.end(), ids.begin() + static_cast<std::ptrdiff_t>(i),
-                 ids.begin() + static_cast<std::ptrdiff_t>(std::min(i + at_once, ids.size())));
+    std::ranges::copy(std::span(ids).subspan(i, std::min(at_once, ids.size() - i)),
+                      std::back_inserter(words));
     ask_or_fail(words);
   }
 }

@@ -7,7 +7,7 @@
 #include "inference/diagnostics/uniformity.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
-#include "pipeline/plan/shards.h"
+#include "pipeline/plan/completeness.h"
 #include "sim/trajectories.h"
 
 namespace npdr::pipeline {

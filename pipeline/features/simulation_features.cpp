@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
-#include "pipeline/plan/shards.h"
+#include "pipeline/plan/completeness.h"
 
 namespace npdr::pipeline {
 namespace {

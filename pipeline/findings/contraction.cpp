@@ -1,12 +1,15 @@
-// How much an observation tells about each parameter, and what posteriors say of each other.
+// How much an observation tells about each parameter, which ends of the prior samples press
+// against, and what posteriors say of each other.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "analysis/summary.h"
 #include "core/normal.h"
 #include "core/text.h"
+#include "inference/diagnostics/bound_pressure.h"
 #include "inference/diagnostics/share_of_prior.h"
 #include "inference/diagnostics/uniformity.h"
 #include "pipeline/findings/findings.h"
@@ -30,40 +33,34 @@ double deviation(const ReportData& data, Index d, const Vector& theta) {
   return data.summary_of(d, takes_log ? Vector(theta.array().log()) : theta).std;
 }
 
-// Kolmogorov-Smirnov distance from the prior: near 1 / sqrt(n) of n draws of it. It sees what no
-// variance does: modes, a shift.
-double distance_from_prior(const ReportData& data, const EvaluatedRun& run, Index d) {
-  const inference::Prior prior({data.marginal(d)});
-  const Vector u = prior.to_normal(run.evaluation.theta.col(d)).col(0);
-  return inference::test_kolmogorov_smirnov(u.unaryExpr(&normal_cdf)).statistic;
+// Samples (n) of parameter d in coordinates of which the prior is standard normal.
+Vector normal_samples(const MethodResults& m, const EvaluatedRun& run, Index d) {
+  return inference::Prior({m.data.marginal(d)}).to_normal(run.evaluation.theta.col(d)).col(0);
 }
 
-// Two modes may be as wide as the prior. Draws of it are as far off with a probability of 1 % at
-// most.
+// By Kolmogorov-Smirnov distance, near 1 / sqrt(n) of n draws of the prior. It sees what no
+// variance does: a shift, and modes, of which two may be as wide as the prior. Draws of the prior
+// are as far off with a probability of 1 % at most.
 bool looks_like_prior(const MethodResults& m, Index d) {
   const auto n = static_cast<double>(m.runs.front()->evaluation.theta.rows());
-  const double least = std::max(0.1, 1.63 / std::sqrt(n));
-  return each(m.runs, [&](const EvaluatedRun* run) {
-           return distance_from_prior(m.data, *run, d);
-         }).mean() < least;
+  const Vector distances = each(m.runs, [&](const EvaluatedRun* run) {
+    const Vector u = normal_samples(m, *run, d);
+    return inference::test_kolmogorov_smirnov(u.unaryExpr(&normal_cdf)).statistic;
+  });
+  return distances.mean() < std::max(0.1, 1.63 / std::sqrt(n));
 }
 
-// In coordinates of which the prior is standard normal, of mean 0 and length 1.
-Vector standardized(const ReportData& data, const EvaluatedRun& run, Index d) {
-  const inference::Prior prior({data.marginal(d)});
-  const Vector u = prior.to_normal(run.evaluation.theta.col(d)).col(0);
-  const Vector centered = u.array() - u.mean();
-  return centered.stableNormalized();
-}
-
-// Correlations of these parameters, the mean over seeds (parameters, parameters); 0 of constants.
+// Correlations of these parameters, in coordinates of which the prior is standard normal, the mean
+// over seeds (parameters, parameters); 0 of constants.
 RowMatrix mean_correlations(const MethodResults& m, const std::vector<Index>& d) {
   const Index count = std::ssize(d);
   RowMatrix sum = RowMatrix::Zero(count, count);
   for (const EvaluatedRun* run : m.runs) {
     RowMatrix u(run->evaluation.theta.rows(), count);
     for (Index i = 0; i < count; ++i) {
-      u.col(i) = standardized(m.data, *run, d[static_cast<std::size_t>(i)]);
+      const Vector its = normal_samples(m, *run, d[static_cast<std::size_t>(i)]);
+      const Vector centered = its.array() - its.mean();
+      u.col(i) = centered.stableNormalized();
     }
     sum += u.transpose() * u;
   }
@@ -121,9 +118,6 @@ std::string words_of_region(const MethodResults& m) {
       algorithm.num_simulations, rounds, (algorithm.num_simulations + rounds - 1) / rounds);
 }
 
-// In an outer loop each seed and method has an observation of its own.
-bool has_outer_loop(const MethodResults& m) { return m.study.num_iterations_of(m.method) > 1; }
-
 double difference_of(double a, double b, double period) {
   return period > 0.0 ? std::remainder(a - b, period) : a - b;
 }
@@ -173,7 +167,7 @@ double distance_of_methods(const MethodResults& a, const MethodResults& b, Index
 // differ.
 std::string words_of_contradiction(const MethodResults& m, const MethodResults& other) {
   constexpr double most = 3.0;
-  if (has_outer_loop(other) || m.inferred() != other.inferred()) return "";
+  if (other.has_outer_loop() || m.inferred() != other.inferred()) return "";
   double largest = most;
   std::string words;
   for (Index d = 0; d < std::ssize(m.study.prior); ++d) {
@@ -190,7 +184,7 @@ std::string words_of_contradiction(const MethodResults& m, const MethodResults& 
 // were right. Empty where they aren't.
 std::string contradiction_of_seeds(const MethodResults& m) {
   constexpr double most = 0.5;
-  if (has_outer_loop(m)) return "";
+  if (m.has_outer_loop()) return "";
   std::vector<std::string> parameters;
   for (const Index d : m.inferred()) {
     const double found = spread_of_seeds(m, d);
@@ -204,26 +198,30 @@ std::string contradiction_of_seeds(const MethodResults& m) {
       join(parameters), advice_to_learn(m.method));
 }
 
-// Whether there are rollouts to leave out, or some are.
-bool can_hold_out(const MethodResults& m) {
-  return (m.study.source().gives_motion && m.data.target.num_rollouts() > 1) || m.data.held_out ||
-         !m.data.folds.empty();
-}
-
 // Which other methods of the study are far from this one, each with the parameter about which it is
 // farthest. Empty where none is.
 std::string contradiction_of_methods(const MethodResults& m) {
-  if (has_outer_loop(m)) return "";
+  if (m.has_outer_loop()) return "";
   std::vector<std::string> others;
   for (const std::string& other : m.data.methods) {
     if (other != m.method.name) others.push_back(words_of_contradiction(m, {m.data, other}));
   }
   std::erase(others, "");
   if (others.empty()) return "";
+  const bool can_hold_out = (m.study.source().gives_motion && m.data.target.num_rollouts() > 1) ||
+                            m.data.held_out || !m.data.folds.empty();
   return fmt::format(
       "contradicts {} (distance of their means, in deviations): at most one of two is right, or "
       "the simulator lacks something that each makes up for in its own way{}",
-      join(others), can_hold_out(m) ? "; held-out rollouts tell which predicts better" : "");
+      join(others), can_hold_out ? "; held-out rollouts tell which predicts better" : "");
+}
+
+// The atomic loss compares densities at parameters that were simulated, and sees no others.
+bool may_leak(const MethodConfig& method) {
+  const inference::AlgorithmConfig& algorithm = method.algorithm;
+  return algorithm.kind == inference::Algorithm::npe_c && algorithm.num_rounds > 1 &&
+         !algorithm.combined_loss &&
+         !inference::is_analytic(algorithm, method.density_estimator.kind);
 }
 
 }  // namespace
@@ -263,6 +261,51 @@ Finding judge<Check::contraction>(const MethodResults& m) {
       words_of_region(m), contradiction_of_seeds(m), contradiction_of_methods(m)};
   std::erase(but, "");
   return passes(fmt::format("up to {:.3g}", largest), join(but, "; "));
+}
+
+std::vector<PressedBound> pressed_bounds(const inference::Marginal& marginal,
+                                         const Vector& samples) {
+  if (marginal.is_unbounded()) return {};
+  const Vector v = inference::Prior({marginal}).to_normal(samples).col(0).unaryExpr(&normal_cdf);
+  const inference::BoundPressure found = inference::test_bounds(v);
+  std::vector<PressedBound> pressed;
+  if (found.presses_lower()) pressed.push_back({marginal.lower(), found.leaks_lower()});
+  if (found.presses_upper()) pressed.push_back({marginal.upper(), found.leaks_upper()});
+  return pressed;
+}
+
+template <>
+Finding judge<Check::bounds>(const MethodResults& m) {
+  if (m.has_too_few_samples()) return too_few_samples(m.runs.front()->evaluation.theta.rows());
+  std::vector<std::string> pressed;
+  std::set<const EvaluatedRun*> failed;
+  bool leaks = false;
+  for (const Index d : m.inferred()) {
+    const inference::Marginal& marginal = m.data.marginal(d);
+    const double period = m.data.period_of(d);
+    // Of an angle over all of its period both ends may hold samples.
+    if (period > 0.0 && marginal.b - marginal.a >= 0.999 * period) continue;
+    std::set<double> bounds;  // of all seeds
+    for (const EvaluatedRun* run : m.runs) {
+      for (const PressedBound& bound : pressed_bounds(marginal, run->evaluation.theta.col(d))) {
+        bounds.insert(bound.value);
+        leaks |= bound.leaks;
+        failed.insert(run);
+      }
+    }
+    for (const double bound : bounds) {
+      const std::string unit = marginal.unit == "1" ? "" : " " + marginal.unit;
+      pressed.push_back(fmt::format("{} at {:.4g}{}", marginal.name, bound, unit));
+    }
+  }
+  if (pressed.empty()) return passes("");
+  return fails("PRESSES against them" + seeds_text(std::ssize(failed), m.runs.size()),
+               fmt::format("its samples press against the end of the prior: {}; the prior may "
+                           "exclude the truth: widen it, or look for what the simulator lacks{}",
+                           join(pressed),
+                           leaks && may_leak(m.method)
+                               ? "; or its density has leaked there: try combined_loss = true"
+                               : ""));
 }
 
 }  // namespace npdr::pipeline

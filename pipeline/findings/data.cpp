@@ -5,7 +5,7 @@
 
 #include "core/text.h"
 #include "pipeline/artefacts/recording.h"
-#include "pipeline/findings/dataset_probes.h"
+#include "pipeline/findings/probe.h"
 
 namespace npdr::pipeline {
 
@@ -81,8 +81,6 @@ analysis::Summary ReportData::summary_of(Index d, const Eigen::Ref<const Vector>
   return analysis::summarize_periodic(samples, period_of(d), median);
 }
 
-bool has_posteriors(const ReportData& data) { return !data.methods.empty(); }
-
 bool predicts_features(const ReportData& data) {
   return !data.methods.empty() && data.plan.study.source().predicts_features();
 }
@@ -92,17 +90,7 @@ bool has_rollout_scores(const ReportData& data) {
       data.runs, [](const EvaluatedRun& run) { return run.evaluation.scores.seen.has_value(); });
 }
 
-bool has_policies(const ReportData& data) { return !data.policies.empty(); }
-
 namespace {
-
-template <class Read, class Result>
-void collect(const std::vector<const Node*>& nodes, const Read& read,
-             std::vector<ResultOf<Result>>& results) {
-  for (const Node* node : nodes) {
-    for (const Use& use : node->uses) results.push_back({use, read(*node)});
-  }
-}
 
 void read_artefacts(const Plan& plan, const Node& node, ReportData& data) {
   for (const Node* evaluation : plan.inputs(node, "evaluation")) {
@@ -114,32 +102,18 @@ void read_artefacts(const Plan& plan, const Node& node, ReportData& data) {
               {use, is_last, kEvaluationSchema.read(*evaluation), read_posterior_notes(posterior)});
     }
   }
-  collect(
-      plan.inputs(node, "diagnosis"),
-      [](const Node& diagnosis) { return kDiagnosisSchema.read(diagnosis); }, data.diagnoses);
-  collect(
-      plan.inputs(node, "policy"),
-      [](const Node& policy) { return kPolicySchema.read(policy).history; }, data.policies);
-  collect(
-      plan.inputs(node, "policy_test"),
-      [](const Node& test) { return kPolicyTestSchema.read(test); }, data.policy_tests);
+  const auto collect = [&](std::string_view name, auto& results, const auto& read) {
+    for (const Node* its : plan.inputs(node, name)) {
+      for (const Use& use : its->uses) results.push_back({use, read(*its)});
+    }
+  };
+  collect("diagnosis", data.diagnoses, [](const Node& n) { return kDiagnosisSchema.read(n); });
+  collect("policy", data.policies, [](const Node& n) { return kPolicySchema.read(n).history; });
+  collect("policy_test", data.policy_tests,
+          [](const Node& n) { return kPolicyTestSchema.read(n); });
   data.target = read_target_artefact(plan.node(Stage::target, {}));
   if (plan.study.target.held_out > 0) {
     data.held_out = read_target_artefact(plan.node(Stage::held_out, {}));
-  }
-}
-
-// Methods and seeds of which there is anything, in the study's order.
-void list_methods_and_seeds(const Study& study, ReportData& data) {
-  for (const MethodConfig& method : study.methods) {
-    const auto is_its = [&](const auto& run) { return run.use.method == method.name; };
-    if (std::ranges::any_of(data.runs, is_its)) data.methods.push_back(method.name);
-  }
-  for (const std::uint64_t seed : study.seeds) {
-    const auto is_its = [&](const auto& run) { return run.use.seed == seed; };
-    if (std::ranges::any_of(data.runs, is_its) || std::ranges::any_of(data.policies, is_its)) {
-      data.seeds.push_back(seed);
-    }
   }
 }
 
@@ -149,7 +123,17 @@ ReportData read_report_data(const Plan& plan, const Node& node) {
   ReportData data{
       plan, plan.source->info(), {}, {}, {}, kBaselineSchema.read(plan.input(node, "baseline"))};
   read_artefacts(plan, node, data);
-  list_methods_and_seeds(plan.study, data);
+  // Methods and seeds of which there is anything, in the study's order.
+  for (const MethodConfig& method : plan.study.methods) {
+    const auto is_its = [&](const auto& run) { return run.use.method == method.name; };
+    if (std::ranges::any_of(data.runs, is_its)) data.methods.push_back(method.name);
+  }
+  for (const std::uint64_t seed : plan.study.seeds) {
+    const auto is_its = [&](const auto& run) { return run.use.seed == seed; };
+    if (std::ranges::any_of(data.runs, is_its) || std::ranges::any_of(data.policies, is_its)) {
+      data.seeds.push_back(seed);
+    }
+  }
   if (has_posteriors(data)) {
     data.dataset = find_in_dataset(plan, data.methods, data.seeds.front());
   }

@@ -76,10 +76,10 @@ struct ReportData {
 };
 
 /// Conditions under which several tables and figures exist.
-bool has_posteriors(const ReportData& data);
+inline bool has_posteriors(const ReportData& data) { return !data.methods.empty(); }
+inline bool has_policies(const ReportData& data) { return !data.policies.empty(); }
 bool predicts_features(const ReportData& data);
 bool has_rollout_scores(const ReportData& data);
-bool has_policies(const ReportData& data);
 
 /// One number for each item: (items).
 template <class Items, class Number>

@@ -1,4 +1,4 @@
-#include "pipeline/findings/dataset_probes.h"
+#include "pipeline/findings/probe.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,6 @@
 #include "core/text.h"
 #include "inference/diagnostics/levels.h"
 #include "inference/prior.h"
-#include "pipeline/findings/probe.h"
 #include "pipeline/sources/dataset_rows.h"
 #include "pipeline/store/hash.h"
 

@@ -32,18 +32,12 @@ double covered_by(const PredictionScores& scores) {
   return (has_noise ? scores.noisy_coverage : scores.coverage).row(level).mean();
 }
 
-// What predicts held-out rollouts best without any inference.
-struct Uninformed {
-  std::string whose;
-  double crps = kInfinity;
-};
-
-// Draws of the prior or, of recordings, the nominal parameters, which may be a
-// simulated target's truth.
-Uninformed uninformed(const ReportData& data) {
-  Uninformed best;
+// What predicts held-out rollouts best without any inference, and its CRPS: draws of the prior or,
+// of recordings, the nominal parameters, which may be a simulated target's truth.
+std::pair<std::string, double> uninformed(const ReportData& data) {
+  std::pair<std::string, double> best{"", kInfinity};
   const auto consider = [&](const std::string& whose, const RolloutScores& scores) {
-    if (scores.held_out && crps_of(*scores.held_out) < best.crps) {
+    if (scores.held_out && crps_of(*scores.held_out) < best.second) {
       best = {whose, crps_of(*scores.held_out)};
     }
   };

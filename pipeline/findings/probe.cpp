@@ -1,13 +1,37 @@
+// What judges share, and their table. Compiled alone: specializations must not follow their use.
 #include "pipeline/findings/probe.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
 
 namespace npdr::pipeline {
+namespace {
+
+constexpr auto kChecks = enum_table(Check{});
+
+using Judge = Finding (*)(const MethodResults& m);
+
+template <std::size_t... i>
+constexpr std::array<Judge, kChecks.size()> judges(std::index_sequence<i...>) {
+  return {&judge<kChecks[i].value>...};
+}
+
+}  // namespace
+
+Finding judge(Check check, const MethodResults& m) {
+  constexpr auto all = judges(std::make_index_sequence<kChecks.size()>());
+  const auto row = std::ranges::find(kChecks, check, &CheckTraits::value);
+  Finding found = all[static_cast<std::size_t>(row - kChecks.begin())](m);
+  found.id = row->name;
+  found.where = row->title;
+  return found;
+}
 
 MethodResults::MethodResults(const ReportData& all, const std::string& name)
     : data(all),

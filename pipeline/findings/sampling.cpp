@@ -44,27 +44,23 @@ std::vector<std::string> remedies_of(const MethodResults& m,
   return remedies;
 }
 
-// Whether another seed has found what this one's draws have missed. In an outer loop each seed has
-// an observation of its own.
+// Whether another seed has found what this one's draws have missed.
 bool misses_a_mode(const MethodResults& m, const EvaluatedRun& run) {
-  if (m.study.num_iterations_of(m.method) > 1) return false;
-  return std::ranges::any_of(m.runs, [&](const EvaluatedRun* other) {
+  return !m.has_outer_loop() && std::ranges::any_of(m.runs, [&](const EvaluatedRun* other) {
     return finds_less(*run.notes.certificate, *other->notes.certificate);
   });
 }
 
 void add_new(std::vector<std::string>& all, const std::vector<std::string>& more) {
-  std::ranges::copy_if(more, std::back_inserter(all), [&](const std::string& text) {
-    return std::ranges::find(all, text) == all.end();
-  });
+  for (const std::string& text : more) {
+    if (std::ranges::count(all, text) == 0) all.push_back(text);
+  }
 }
-
-// Power below which the recording hardly counts.
-constexpr double kSmallPower = 0.05;
 
 // What a power says of the simulator, where the recording hardly counts.
 std::string words_of_power(double power, bool is_chosen) {
-  if (power >= kSmallPower) return "";
+  constexpr double small = 0.05;
+  if (power >= small) return "";
   if (!is_chosen) {
     return fmt::format(
         "the recording hardly counts, at refine.likelihood_power = {:.2g}: raise it, unless "
@@ -76,12 +72,6 @@ std::string words_of_power(double power, bool is_chosen) {
       "rollouts about as well as any: simulator or noise lack something, or rollouts are too few "
       "to tell",
       power);
-}
-
-std::string text_of_powers(double smallest, double largest) {
-  if (!(smallest < 1.0)) return "";
-  const std::string first = fmt::format("{:.2g}", smallest), last = fmt::format("{:.2g}", largest);
-  return ", power " + (first == last ? first : first + " to " + last);
 }
 
 // Where all certificates hold. `power`: the smallest.
@@ -121,9 +111,9 @@ Finding judge_certificates(const MethodResults& m) {
     largest_power = std::max(largest_power, certificate.power);
     has_pool |= certificate.ess_of_all > 0.0;
   }
-  const std::string text =
-      fmt::format("effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest) +
-      text_of_powers(power, largest_power);
+  std::string text = fmt::format("effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest);
+  const auto first = fmt::format("{:.2g}", power), last = fmt::format("{:.2g}", largest_power);
+  if (power < 1.0) text += ", power " + (first == last ? first : first + " to " + last);
   if (failed == 0) return pass_certificates(m, text, power);
   return fails("its draws DON'T hold" + seeds_text(failed, m.runs.size()) + ", " + text,
                fmt::format("{}: {}{}", join(faults), join(remedies, ", or "),

@@ -1,4 +1,4 @@
-#include "pipeline/findings/dataset_probes.h"
+#include "pipeline/findings/probe.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,6 @@
 #include "core/normal.h"
 #include "inference/diagnostics/levels.h"
 #include "inference/diagnostics/uniformity.h"
-#include "pipeline/findings/probe.h"
 #include "pipeline/sources/marginal_fit.h"
 
 namespace npdr::pipeline {
@@ -19,12 +18,6 @@ namespace {
 using inference::Marginal;
 
 constexpr double kFalseAlarmRate = 1e-4;
-
-Index num_different_rows(const RowMatrix& theta) {
-  std::set<std::vector<double>> rows;
-  for (Index i = 0; i < theta.rows(); ++i) rows.emplace(theta.row(i).begin(), theta.row(i).end());
-  return std::ssize(rows);
-}
 
 // One parameter of all rows.
 struct Column {
@@ -79,11 +72,12 @@ Index num_draws_of(const inference::Levels& levels, Index num_rows, Index num_di
 class Inspection {
  public:
   Inspection(const RowMatrix& theta, const inference::Prior& prior) : theta_(theta), prior_(prior) {
-    const Index num_different = num_different_rows(theta);
+    std::set<std::vector<double>> different;
+    for (const auto& row : theta.rowwise()) different.emplace(row.begin(), row.end());
     for (Index d = 0; d < theta.cols(); ++d) {
       const inference::Levels levels = inference::levels_of(theta.col(d));
       columns_.push_back({prior.marginals()[static_cast<std::size_t>(d)], theta.col(d), levels,
-                          num_draws_of(levels, theta.rows(), num_different)});
+                          num_draws_of(levels, theta.rows(), std::ssize(different))});
     }
   }
 

@@ -10,6 +10,8 @@
 namespace npdr::pipeline {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 Target pick_by_fold(const Study& study, const Target& seen, Index fold, bool is_of_fold) {
   std::vector<Index> positions;
   for (Index h = 0; h < seen.num_rollouts(); ++h) {
@@ -20,6 +22,32 @@ Target pick_by_fold(const Study& study, const Target& seen, Index fold, bool is_
 }
 
 }  // namespace
+
+Json study_document(const Study& study) {
+  Json json = document_json(study);
+  // What makes rows again, wherever somebody asks for that.
+  for (const char* key : {"library", "mjcf"}) {
+    if (!json.contains("simulator") || !json["simulator"].contains(key)) continue;
+    Json& file = json["simulator"][key];
+    std::error_code gone;  // the current folder
+    if (!file.is_string()) continue;
+    const auto path = std::filesystem::absolute(file.get<std::string>(), gone);
+    if (!gone) file = path.lexically_normal().string();
+  }
+  return json;
+}
+
+Json without_folders(Json study) {
+  const auto keep_name = [&](const char* table, const char* key) {
+    if (!study.contains(table) || !study[table].contains(key)) return;
+    Json& path = study[table][key];
+    if (path.is_string()) path = std::filesystem::path(path.get<std::string>()).filename().string();
+  };
+  for (const char* key : {"recording", "observation", "inputs"}) keep_name("target", key);
+  for (const char* key : {"library", "mjcf", "dataset"}) keep_name("simulator", key);
+  if (study.contains("simulator")) study["simulator"].erase("folder");
+  return study;
+}
 
 std::uint64_t Use::stream_round() const {
   const Index earlier = std::max<Index>(0, iteration - 1);
@@ -143,10 +171,6 @@ bool is_refinement(const Plan& plan, const Node& node) {
   if (node.stage != Stage::infer) return false;
   return family_of(plan.study.method(node.uses.front().method)) ==
          inference::AlgorithmFamily::likelihood;
-}
-
-bool uses_threads(const Plan& plan, const Node& node) {
-  return traits_of(node.stage).uses_threads || is_refinement(plan, node);
 }
 
 Index num_rollouts_seen(const MethodConfig& method, const Use& use) {

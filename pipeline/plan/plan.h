@@ -3,6 +3,7 @@
 /// before anything has run.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,14 +11,58 @@
 #include <string_view>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "core/target.h"
 #include "pipeline/artefacts/work_folder.h"
+#include "pipeline/config/cluster_config.h"
 #include "pipeline/config/study.h"
-#include "pipeline/plan/stage.h"
 #include "pipeline/sources/source.h"
 #include "pipeline/store/artefact.h"
 
 namespace npdr::pipeline {
+
+/// The stages, in the order in which they run.
+enum class Stage {
+  target,
+  held_out,
+  propose,
+  simulate,
+  infer,
+  baseline,
+  evaluate,
+  diagnose,
+  policy,
+  policy_test,
+  report
+};
+
+/// A stage's name, the executable that makes its artefacts, the part of [cluster] that its jobs ask
+/// for.
+struct StageTraits : EnumRow<Stage> {
+  std::string_view program;
+  StageResources ClusterConfig::*resources;
+  bool uses_threads = true;  ///< more than one is worth while
+};
+
+constexpr auto enum_table(Stage) {
+  using enum Stage;
+  using C = ClusterConfig;
+  return std::to_array<StageTraits>({{{target, "target"}, "npdr-propose", &C::prepare, false},
+                                     {{held_out, "held_out"}, "npdr-propose", &C::prepare, false},
+                                     {{propose, "propose"}, "npdr-propose", &C::prepare, false},
+                                     {{simulate, "simulate"}, "npdr-simulate", &C::simulate},
+                                     {{infer, "infer"}, "npdr-infer", &C::infer, false},
+                                     {{baseline, "baseline"}, "npdr-evaluate", &C::baseline},
+                                     {{evaluate, "evaluate"}, "npdr-evaluate", &C::evaluate},
+                                     {{diagnose, "diagnose"}, "npdr-diagnose", &C::diagnose},
+                                     {{policy, "policy"}, "npdr-policy", &C::policy},
+                                     {{policy_test, "policy_test"}, "npdr-policy", &C::policy},
+                                     {{report, "report"}, "npdr-report", &C::report, false}});
+}
+
+constexpr StageTraits traits_of(Stage stage) {
+  return enum_table(stage)[static_cast<std::size_t>(stage)];
+}
 
 /// Who uses an artefact: methods that share prior, budget and seed share simulations.
 struct Use {
@@ -116,9 +161,6 @@ bool is_calibration(const Node& node);
 
 /// Whether a node is a posterior that simulates by itself: a refinement.
 bool is_refinement(const Plan& plan, const Node& node);
-
-/// Whether more than one thread is worth while for a node.
-bool uses_threads(const Plan& plan, const Node& node);
 
 /// The simulations of a node's round.
 Index num_rows(const Plan& plan, const Node& node);

@@ -9,7 +9,6 @@
 #include "pipeline/config/check.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/plan/key_parts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -24,10 +23,16 @@ std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& 
   return plan.work.artefact(name_of(stage), key);
 }
 
-// Settings that a posterior without simulations takes from the study.
-void describe_known(const Study& study, Json& json) {
-  json["simulator"] = {{"name", study.simulator.name}, {"parameters", study.simulator.parameters}};
-  json["prior"] = to_json(study.prior);
+// The settings of a method that a posterior depends on, whatever the method is called and however
+// many rounds follow.
+Json inference_json(const MethodConfig& method) {
+  Json json = key_json(method);
+  // Raised when their bits change, which leaves the keys of other posteriors as they are.
+  constexpr int correction_version = 2, pool_version = 3;
+  const bool is_corrected = inference::is_analytic(method.algorithm, method.density_estimator.kind);
+  if (is_corrected) json["correction_version"] = correction_version;
+  if (method.algorithm.kind == inference::Algorithm::npe_nle) json["pool_version"] = pool_version;
+  return json;
 }
 
 // Methods that differ only in what changes no posterior share what is made of them.
@@ -102,7 +107,11 @@ Plan PlanBuilder::build() {
   for (Index fold = 1; fold <= plan_.study.evaluate.leave_out; ++fold) {
     folds_.push_back(add_fold(fold));
   }
-  if (plan_.study.source().predicts_features()) scale_ = add_scale();
+  if (plan_.study.source().predicts_features()) {
+    const MethodConfig& method = plan_.study.methods.front();
+    const Use use{method.name, plan_.study.seeds.front(), 1};
+    scale_ = add_simulation(method, use, 0, add_proposal(method, use, std::nullopt));
+  }
   for (const std::uint64_t seed : plan_.study.seeds) {
     if (!is_among(selection_.seeds, seed)) continue;
     for (const MethodConfig& method : plan_.study.methods) {
@@ -115,15 +124,8 @@ Plan PlanBuilder::build() {
   return std::move(plan_);
 }
 
-std::size_t PlanBuilder::add_scale() {
-  const MethodConfig& method = plan_.study.methods.front();
-  const Use use{method.name, plan_.study.seeds.front(), 1};
-  return add_simulation(method, use, 0, add_proposal(method, use, std::nullopt));
-}
-
 // Describes what baselines and posteriors are measured by.
-PlanBuilder::Inputs PlanBuilder::add_judgment(std::size_t target,
-                                              std::optional<std::size_t> held_out,
+PlanBuilder::Inputs PlanBuilder::add_judgment(std::size_t target, Position held_out,
                                               Json& json) const {
   json["simulator"] = keys_.states;
   json["metrics"] = to_names(plan_.study.evaluate.metrics);
@@ -163,13 +165,13 @@ void PlanBuilder::add_experiment(const MethodConfig& method, std::uint64_t seed,
     }
     if (!plan_.study.policy.is_used()) continue;
     policy = add_policy(method, {method.name, seed, 0, i}, last_of(rounds.posteriors), policy);
-    note(results_.policies, *policy);
+    note(policies_, *policy);
   }
   if (!policy) return;
   for (const Index i : {Index{0}, num_iterations}) {
     const auto tested = i == 0 ? std::nullopt : policy;
     const auto test = add_policy_test({method.name, seed, 0, i}, tested);
-    if (test) note(results_.policy_tests, *test);
+    if (test) note(policy_tests_, *test);
   }
 }
 
@@ -180,8 +182,7 @@ void PlanBuilder::add_folds(const MethodConfig& method, std::uint64_t seed) {
     use.round = 0;
     const Rounds rounds = add_rounds(method, use, fold.target);
     use.round = method.algorithm.num_rounds;
-    note(results_.evaluations,
-         add_evaluation(use, fold.target, fold.left_out, rounds.posteriors.back()));
+    note(evaluations_, add_evaluation(use, fold.target, fold.left_out, rounds.posteriors.back()));
   }
 }
 
@@ -212,15 +213,15 @@ void PlanBuilder::add_judgments(const MethodConfig& method, Use use, std::size_t
   const Index last = method.algorithm.num_rounds;
   for (use.round = all_rounds ? 1 : last; use.round <= last; ++use.round) {
     const std::size_t posterior = rounds.posteriors[static_cast<std::size_t>(use.round - 1)];
-    note(results_.evaluations, add_evaluation(use, first_target, held_out_, posterior));
+    note(evaluations_, add_evaluation(use, first_target, held_out_, posterior));
   }
   if (plan_.study.diagnose_of(method).of_diagnosis().checks.empty()) return;
   use.round = 0;
-  note(results_.diagnoses, add_diagnosis(method, use, target, rounds));
+  note(diagnoses_, add_diagnosis(method, use, target, rounds));
 }
 
 std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use,
-                                      std::optional<std::size_t> posterior) {
+                                      Position posterior) {
   Json json = key_document(kProposalSchema);
   json["num_simulations"] =
       use.round == 0 ? plan_.study.diagnose.num_simulations : method.algorithm.num_simulations;
@@ -228,29 +229,27 @@ std::size_t PlanBuilder::add_proposal(const MethodConfig& method, const Use& use
   json["round"] = use.round;
   if (use.iteration > 1) json["iteration"] = use.iteration;
   json.update(keys_.theta);
-  if (!posterior) {
-    json["prior"] = to_json(plan_.study.prior);
-    return add(Stage::propose, json, use, {});
-  }
-  return add(Stage::propose, json, use, {{"posterior", *posterior}});
+  if (!posterior) json["prior"] = to_json(plan_.study.prior);
+  return add(Stage::propose, json, use, posterior ? Inputs{{"posterior", *posterior}} : Inputs{});
 }
 
 std::size_t PlanBuilder::add_simulation(const MethodConfig& method, const Use& use,
                                         std::size_t target, std::size_t proposal) {
   Json json = key_document(kSimulationSchema);
   json["simulator"] = keys_.rows;
+  Inputs inputs;
   // Features don't depend on the target: with another x_o, the simulations of the prior stay.
-  if (!plan_.study.source().gives_motion) {
-    return add(Stage::simulate, json, use, {{"proposal", proposal}});
+  if (plan_.study.source().gives_motion) {
+    json["num_rollouts"] = method.num_rollouts;
+    inputs.push_back({"target", target});
   }
-  json["num_rollouts"] = method.num_rollouts;
-  return add(Stage::simulate, json, use, {{"target", target}, {"proposal", proposal}});
+  inputs.push_back({"proposal", proposal});
+  return add(Stage::simulate, json, use, inputs);
 }
 
 std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& use,
-                                       std::size_t target,
-                                       const std::vector<std::size_t>& simulations,
-                                       const std::vector<std::size_t>& posteriors) {
+                                       std::size_t target, const Positions& simulations,
+                                       const Positions& posteriors) {
   Json json = key_document(kPosteriorSchema);
   const inference::AlgorithmTraits& algorithm = inference::traits_of(method.algorithm.kind);
   json.update(inference_json(method));
@@ -258,7 +257,9 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   const bool compares_trajectories =
       is_abc && method.abc.distance != inference::AbcDistance::euclidean;
   if (!learns(method)) {
-    describe_known(plan_.study, json);
+    const sim::SimulatorConfig& known = plan_.study.simulator;
+    json["simulator"] = {{"name", known.name}, {"parameters", known.parameters}};
+    json["prior"] = to_json(plan_.study.prior);
   } else if (!compares_trajectories) {
     json["observation_noise"] = to_json(plan_.study.observation_noise);
   }
@@ -294,8 +295,7 @@ std::size_t PlanBuilder::add_refinement(const MethodConfig& method, const Use& u
   return add(Stage::infer, json, use, inputs);
 }
 
-std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target,
-                                        std::optional<std::size_t> held_out,
+std::size_t PlanBuilder::add_evaluation(const Use& use, std::size_t target, Position held_out,
                                         std::size_t posterior) {
   Json json = key_document(kEvaluationSchema);
   Inputs inputs = add_judgment(target, held_out, json);
@@ -336,10 +336,10 @@ void PlanBuilder::add_report(std::size_t target, std::size_t baseline) {
   Json json = key_document(kReportSchema);
   json["study"] = without_folders(study_json_);
   Inputs inputs = {{"baseline", baseline}};
-  add_numbered("evaluation", results_.evaluations, inputs);
-  add_numbered("diagnosis", results_.diagnoses, inputs);
-  add_numbered("policy", results_.policies, inputs);
-  add_numbered("policy_test", results_.policy_tests, inputs);
+  add_numbered("evaluation", evaluations_, inputs);
+  add_numbered("diagnosis", diagnoses_, inputs);
+  add_numbered("policy", policies_, inputs);
+  add_numbered("policy_test", policy_tests_, inputs);
   const std::size_t report = add(Stage::report, json, {}, inputs);
   // It shows of the targets and posteriors, too, which may be gone while evaluations are there.
   std::vector<std::size_t>& needs = plan_.nodes[report].needs;
@@ -349,7 +349,7 @@ void PlanBuilder::add_report(std::size_t target, std::size_t baseline) {
     note(needs, fold.target);
     note(needs, fold.left_out);
   }
-  for (const std::size_t evaluation : results_.evaluations) {
+  for (const std::size_t evaluation : evaluations_) {
     for (const std::size_t need : plan_.nodes[evaluation].needs) note(needs, need);
   }
 }

@@ -7,6 +7,14 @@
 
 namespace npdr::pipeline {
 
+/// The resolved study as artefacts keep it: without what changes nothing in it, and with absolute
+/// paths of libraries and models, which `npdr verify` loads from any folder.
+nlohmann::ordered_json study_document(const Study& study);
+
+/// A study's document with the names of its files alone, for keys: these count by what they hold,
+/// in the keys of what is made of them, and not by where they lie as seen from the current folder.
+nlohmann::ordered_json without_folders(nlohmann::ordered_json study);
+
 class PlanBuilder {
  public:
   PlanBuilder(Study study, const WorkFolder& work, const Selection& selection);
@@ -14,26 +22,19 @@ class PlanBuilder {
 
  private:
   using Inputs = std::vector<Input>;
+  using Positions = std::vector<std::size_t>;  // in the plan
+  using Position = std::optional<std::size_t>;
 
   std::size_t add_target();
   /// A target without a fold, and the rollouts that it leaves out.
   struct Fold {
-    std::size_t target;
-    std::size_t left_out;
+    std::size_t target, left_out;
   };
   Fold add_fold(Index fold);
   std::size_t add_baseline(std::size_t target);
-  /// Nodes that the report needs.
-  struct Results {
-    std::vector<std::size_t> evaluations;
-    std::vector<std::size_t> diagnoses;
-    std::vector<std::size_t> policies;
-    std::vector<std::size_t> policy_tests;
-  };
   /// Nodes of one inference, by round.
   struct Rounds {
-    std::vector<std::size_t> simulations;
-    std::vector<std::size_t> posteriors;
+    Positions simulations, posteriors;
   };
   /// All iterations of one method and seed.
   void add_experiment(const MethodConfig& method, std::uint64_t seed, std::size_t target);
@@ -48,27 +49,22 @@ class PlanBuilder {
   std::size_t add_collection(const MethodConfig& method, const Use& use, std::size_t earlier,
                              std::size_t policy);
   /// `posterior`: none of a method that infers nothing. `start`: the last iteration's policy.
-  std::size_t add_policy(const MethodConfig& method, const Use& use,
-                         std::optional<std::size_t> posterior, std::optional<std::size_t> start);
+  std::size_t add_policy(const MethodConfig& method, const Use& use, Position posterior,
+                         Position start);
   /// Tests `policy`; none: the one that a search begins with. Returns none when there is no test.
-  std::optional<std::size_t> add_policy_test(const Use& use, std::optional<std::size_t> policy);
-  std::size_t add_proposal(const MethodConfig& method, const Use& use,
-                           std::optional<std::size_t> posterior);
+  Position add_policy_test(const Use& use, Position policy);
+  std::size_t add_proposal(const MethodConfig& method, const Use& use, Position posterior);
   std::size_t add_simulation(const MethodConfig& method, const Use& use, std::size_t target,
                              std::size_t proposal);
   std::size_t add_inference(const MethodConfig& method, const Use& use, std::size_t target,
-                            const std::vector<std::size_t>& simulations,
-                            const std::vector<std::size_t>& posteriors);
+                            const Positions& simulations, const Positions& posteriors);
   /// The posterior under the noise's likelihood, from that of another method or the prior.
   std::size_t add_refinement(const MethodConfig& method, const Use& use, std::size_t target);
-  std::optional<std::size_t> add_held_out();
-  /// The simulations of the prior that features are compared in units of.
-  std::size_t add_scale();
+  Position add_held_out();
   /// Notes down in `json` what a judgment depends on, and returns its inputs.
-  Inputs add_judgment(std::size_t target, std::optional<std::size_t> held_out,
-                      nlohmann::ordered_json& json) const;
-  std::size_t add_evaluation(const Use& use, std::size_t target,
-                             std::optional<std::size_t> held_out, std::size_t posterior);
+  Inputs add_judgment(std::size_t target, Position held_out, nlohmann::ordered_json& json) const;
+  std::size_t add_evaluation(const Use& use, std::size_t target, Position held_out,
+                             std::size_t posterior);
   std::size_t add_diagnosis(const MethodConfig& method, const Use& use, std::size_t target,
                             const Rounds& rounds);
   void add_report(std::size_t target, std::size_t baseline);
@@ -78,10 +74,10 @@ class PlanBuilder {
                   const Inputs& inputs);
 
   Plan plan_;
-  Results results_;
-  std::optional<std::size_t> held_out_;
+  Positions evaluations_, diagnoses_, policies_, policy_tests_;
+  Position held_out_;
   std::vector<Fold> folds_;
-  std::optional<std::size_t> scale_;
+  Position scale_;  // the simulations of the prior that features are compared in units of
   SourceKeys keys_;
   Selection selection_;
   nlohmann::ordered_json study_json_;

@@ -11,15 +11,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Those that a study counts from 1.
-std::vector<Index> positions(const TargetConfig& target) {
-  std::vector<Index> positions;
-  for (const std::uint64_t rollout : target.rollouts) {
-    positions.push_back(static_cast<Index>(rollout) - 1);
-  }
-  return positions;
-}
-
 // Rollouts of the target: what was recorded of them, or how the truth is simulated.
 template <class Recorded>
 void describe_rollouts(const Study& study, const SourceKeys& keys, const Recorded& recorded,
@@ -53,7 +44,11 @@ std::size_t PlanBuilder::add_target() {
     plan_.target = std::move(recording.target);
     plan_.recorded_actions = std::move(recording.channels.actions);
     check_recording(study, plan_.target);
-    if (!study.target.rollouts.empty()) plan_.target = plan_.target.pick(positions(study.target));
+    std::vector<Index> picked;
+    for (const std::uint64_t number : study.target.rollouts) {
+      picked.push_back(static_cast<Index>(number) - 1);
+    }
+    if (!picked.empty()) plan_.target = plan_.target.pick(picked);
     if (study.target.num_rollouts > 0) {
       plan_.target = plan_.target.first(study.target.num_rollouts + study.target.held_out);
     }
@@ -108,9 +103,8 @@ std::size_t PlanBuilder::add_collection(const MethodConfig& method, const Use& u
   return add(Stage::target, json, use, {{"target", earlier}, {"policy", policy}});
 }
 
-std::size_t PlanBuilder::add_policy(const MethodConfig& method, const Use& use,
-                                    std::optional<std::size_t> posterior,
-                                    std::optional<std::size_t> start) {
+std::size_t PlanBuilder::add_policy(const MethodConfig& method, const Use& use, Position posterior,
+                                    Position start) {
   const Study& study = plan_.study;
   Json json = key_document(kPolicySchema);
   json["simulator"] = keys_.truth;
@@ -131,8 +125,7 @@ std::size_t PlanBuilder::add_policy(const MethodConfig& method, const Use& use,
 }
 
 // A recorded target domain can't be asked what another policy does in it.
-std::optional<std::size_t> PlanBuilder::add_policy_test(const Use& use,
-                                                        std::optional<std::size_t> policy) {
+std::optional<std::size_t> PlanBuilder::add_policy_test(const Use& use, Position policy) {
   const Study& study = plan_.study;
   if (!study.target.truth && !study.policy.grid.is_used()) return std::nullopt;
   Json json = key_document(kPolicyTestSchema);

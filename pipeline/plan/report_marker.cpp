@@ -44,8 +44,6 @@ bool report_is_current(const Plan& plan, const Node& node) {
          });
 }
 
-void unmark_report(const Node& node) { std::filesystem::remove(node.path); }
-
 void mark_report(const Node& node, const std::filesystem::path& study,
                  const std::vector<std::filesystem::path>& files,
                  const std::vector<CheckSummary>& checks) {
@@ -105,7 +103,6 @@ std::optional<CheckSummary> reported_checks(const Plan& plan, const std::string&
 }
 
 std::string words_of(const CheckSummary& summary) {
-  const auto count = [](const auto& names) { return static_cast<Index>(names.size()); };
   std::string text = summary.method + ": ";
   if (!summary.failed.empty()) {
     text += fmt::format("{} of {} FAIL: {}", summary.failed.size(),
@@ -114,7 +111,7 @@ std::string words_of(const CheckSummary& summary) {
     text += summary.num_checks == 1 ? "its only check passes"
                                     : fmt::format("all {} checks pass", summary.num_checks);
   } else {
-    text += fmt::format("{} of {} pass", summary.num_checks - count(summary.unknown),
+    text += fmt::format("{} of {} pass", summary.num_checks - std::ssize(summary.unknown),
                         counted(summary.num_checks, "check"));
   }
   if (!summary.unknown.empty()) text += "; can't tell: " + join(summary.unknown);

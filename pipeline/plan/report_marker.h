@@ -34,8 +34,6 @@ std::vector<CheckSummary> read_check_summaries(const Node& node);
 /// What the report that is there says of `method`, where it is of all that `plan` selects, and
 /// maybe of more; nothing else, or where it can't be read.
 std::optional<CheckSummary> reported_checks(const Plan& plan, const std::string& method);
-/// Takes the mark away, where there is one. Throws std::filesystem::filesystem_error.
-void unmark_report(const Node& node);
 
 /// A warning where the report that is there is another one than the plan's and was made of a file
 /// with another name, whose study has the same name as the plan's. Files of the same name

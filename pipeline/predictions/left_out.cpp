@@ -64,11 +64,6 @@ sim::Trajectories ensemble_of(const LeftOut& draws, const sim::NoiseLikelihood& 
   return ensemble;
 }
 
-bool has_unknown_scale(const sim::NoiseModel& model) {
-  return std::ranges::any_of(
-      model.channels(), [](const sim::ChannelNoise& noise) { return noise.scale.is_unknown(); });
-}
-
 // Of each factor (F) and left-out rollout (H), means over channels.
 struct FactorScores {
   RowMatrix crps;
@@ -140,8 +135,9 @@ LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector
                             const sim::Trajectories& rows, const Vector& weights, double power,
                             const StreamId& id) {
   const Vector all = log_likelihoods(noise, rows, -1);
-  const Index num_factors =
-      has_unknown_scale(noise.model()) ? static_cast<Index>(kNoiseFactors.size()) : 1;
+  const auto has_unknown = [](const sim::ChannelNoise& its) { return its.scale.is_unknown(); };
+  const bool any_unknown = std::ranges::any_of(noise.model().channels(), has_unknown);
+  const Index num_factors = any_unknown ? std::ssize(kNoiseFactors) : 1;
   const Index num_rollouts = noise.model().num_rollouts();
   FactorScores scores{RowMatrix(num_factors, num_rollouts), RowMatrix(num_factors, num_rollouts)};
   for (Index h = 0; h < num_rollouts; ++h) {

@@ -44,12 +44,6 @@ Rollout complete_rollout(const sim::Simulator& simulator, const Vector& theta, c
   return rollout;
 }
 
-sim::SimulatorConfig in_one_piece(sim::SimulatorConfig config) {
-  config.segment_length = 0;
-  config.store_every = 1;
-  return config;
-}
-
 }  // namespace
 
 std::unique_ptr<sim::PolicyTask> make_task(const Study& study, Index num_steps) {
@@ -71,20 +65,15 @@ RowMatrix tested_parameters(const Study& study, const Source& source) {
   const sim::SimulatorInfo& info = source.info();
   const Vector base =
       source.parameters().nominal(study.target.truth.value_or(std::map<std::string, double>{}));
-  std::vector<Vector> rows;
-  if (study.target.truth) rows.push_back(base);
-  if (grid.is_used()) {
-    for (const double x : grid.x.points()) {
-      for (const double y : grid.y.points()) {
-        Vector& point = rows.emplace_back(base);
-        point(sim::parameter_index(info, grid.x.parameter)) = x;
-        point(sim::parameter_index(info, grid.y.parameter)) = y;
-      }
+  const auto x = grid.is_used() ? grid.x.points() : std::vector<double>();
+  const auto y = grid.is_used() ? grid.y.points() : std::vector<double>();
+  Index row = study.target.truth ? 1 : 0;
+  RowMatrix theta = base.transpose().replicate(row + std::ssize(x) * std::ssize(y), 1);
+  for (const double its_x : x) {
+    for (const double its_y : y) {
+      theta(row, sim::parameter_index(info, grid.x.parameter)) = its_x;
+      theta(row++, sim::parameter_index(info, grid.y.parameter)) = its_y;
     }
-  }
-  RowMatrix theta(static_cast<Index>(rows.size()), base.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    theta.row(static_cast<Index>(i)) = rows[i].transpose();
   }
   return theta;
 }
@@ -92,7 +81,10 @@ RowMatrix tested_parameters(const Study& study, const Source& source) {
 Target collect_rollouts(const Plan& plan, const Target& like, const Vector& policy, Index count,
                         const StreamId& id) {
   const Study& study = plan.study;
-  const auto simulator = sim::make_simulator(in_one_piece(study.simulator));
+  sim::SimulatorConfig in_one_piece = study.simulator;
+  in_one_piece.segment_length = 0;
+  in_one_piece.store_every = 1;
+  const auto simulator = sim::make_simulator(in_one_piece);
   const auto task = make_task(study, like.num_steps());
   const Vector theta = plan.source->parameters().nominal(*study.target.truth);
   const sim::RecordedPolicyRollouts recorded =

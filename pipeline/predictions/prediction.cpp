@@ -1,23 +1,18 @@
 #include "pipeline/predictions/prediction.h"
 
+#include <algorithm>
+
 #include "inference/abc/feature_distance.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
 
 namespace npdr::pipeline {
-namespace {
-
-sim::SimulatorConfig keeping_every_state(sim::SimulatorConfig config) {
-  config.store_every = 1;
-  return config;
-}
-
-}  // namespace
-
 Predictor::Predictor(const Plan& plan, Target target, const std::filesystem::path& log)
     : plan_(plan), observation_(plan.study, std::move(target)) {
   if (!plan.study.source().simulates) return;
-  simulator_ = plan.source->open({keeping_every_state(plan.study.simulator), this->target(), log});
+  sim::SimulatorConfig config = plan.study.simulator;
+  config.store_every = 1;
+  simulator_ = plan.source->open({config, this->target(), log});
 }
 
 sim::Trajectories Predictor::simulate(const RowMatrix& complete, const StreamId& first) const {
@@ -33,7 +28,7 @@ std::map<std::string, Vector> Predictor::measure(const sim::Trajectories& trajec
         inference::mean_feature_distances(features_of(trajectories), scale_, x_o);
     return values;
   }
-  const analysis::Metrics metrics(target(), metrics_config());
+  const analysis::Metrics metrics = this->metrics();
   const analysis::TrajectoryView view = view_of(trajectories);
   const auto measured = [&](Metric metric) -> Vector {
     switch (metric) {
@@ -58,13 +53,7 @@ std::map<std::string, Vector> Predictor::measure(const sim::Trajectories& trajec
 
 Vector Predictor::rmse(const RowMatrix& theta) const {
   const sim::Trajectories trajectories = simulate(plan_.source->parameters().complete(theta));
-  return analysis::Metrics(target(), metrics_config()).rmse(view_of(trajectories));
-}
-
-analysis::MetricsConfig Predictor::metrics_config() const {
-  analysis::MetricsConfig config;
-  config.segment_length = plan_.study.simulator.segment_length;
-  return config;
+  return metrics().rmse(view_of(trajectories));
 }
 
 Judge::Judge(const Plan& plan, const Node& node)
@@ -105,6 +94,21 @@ std::map<std::string, double> Judge::measure_one(const PredictedRollouts& predic
 
 analysis::TrajectoryView view_of(const sim::Trajectories& t) {
   return {t.values, t.num_rows, t.num_rollouts, t.num_steps, t.num_states};
+}
+
+SearchBox search_box(const std::vector<inference::Marginal>& prior,
+                     const sim::SimulatorInfo& info) {
+  const auto dimension = static_cast<Index>(prior.size());
+  SearchBox box{Vector(dimension), Vector(dimension)};
+  for (Index d = 0; d < dimension; ++d) {
+    const inference::Marginal& m = prior[static_cast<std::size_t>(d)];
+    const sim::Parameter& parameter =
+        info.parameters[static_cast<std::size_t>(sim::parameter_index(info, m.name))];
+    const auto [lower, upper] = m.central_range(4.0);
+    box.lower(d) = std::max(lower, parameter.lower);
+    box.upper(d) = std::min(upper, parameter.upper);
+  }
+  return box;
 }
 
 }  // namespace npdr::pipeline

@@ -5,11 +5,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "analysis/metrics.h"
 #include "analysis/quantiles.h"
 #include "analysis/trajectory_view.h"
 #include "inference/feature_transform.h"
+#include "inference/prior.h"
 #include "pipeline/features/observation.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/sources/row_simulator.h"
@@ -41,7 +43,9 @@ class Predictor {
   Vector rmse(const RowMatrix& theta) const;
 
  private:
-  analysis::MetricsConfig metrics_config() const;
+  analysis::Metrics metrics() const {
+    return analysis::Metrics(target(), {.segment_length = plan_.study.simulator.segment_length});
+  }
 
   const Plan& plan_;
   Observation observation_;
@@ -80,5 +84,15 @@ class Judge {
 };
 
 analysis::TrajectoryView view_of(const sim::Trajectories& trajectories);
+
+/// Bounds of each parameter of a prior, (D) both.
+struct SearchBox {
+  Vector lower;
+  Vector upper;
+};
+
+/// The prior's bounds, or four deviations around the median where it has none, inside of what is
+/// physically possible for the simulator.
+SearchBox search_box(const std::vector<inference::Marginal>& prior, const sim::SimulatorInfo& info);
 
 }  // namespace npdr::pipeline

@@ -1,5 +1,9 @@
 #include "pipeline/process/build_info.h"
 
+#include <fmt/chrono.h>
+
+#include <ctime>
+
 #include "npdr_revision.h"
 
 namespace npdr::pipeline {
@@ -33,6 +37,10 @@ std::string instruction_set() {
   text += " sve";
 #endif
   return text;
+}
+
+std::string now_utc() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
 }  // namespace npdr::pipeline

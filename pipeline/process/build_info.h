@@ -1,4 +1,4 @@
-/// Description of this build of the program.
+/// What provenance says of this build of the program, and of the time.
 #pragma once
 
 #include <string>
@@ -15,5 +15,8 @@ std::string git_revision();
 /// Instructions that the compiler was allowed to use, such as "x86-64 avx2 fma avx512f". Bits of
 /// results may differ between instruction sets.
 std::string instruction_set();
+
+/// Now, such as "2024-03-01T12:00:00Z". Nothing is decided by it.
+std::string now_utc();
 
 }  // namespace npdr::pipeline

@@ -13,12 +13,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
-#include <utility>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/file_error.h"
-#include "pipeline/process/batch_job.h"
+#include "core/open_file.h"
+#include "core/pipe.h"
+#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -29,18 +30,15 @@ constexpr int kChildDescriptor = 3;
 // sleep, unless the user wants them to spin: beside another process that has the core, spinning
 // takes many times as long as the work.
 std::vector<std::string> child_environment(int threads) {
-  std::vector<std::string> variables;
-  bool has_policy = false;
+  std::vector<std::string> variables = {"OMP_NUM_THREADS=" + std::to_string(threads),
+                                        "NPDR_PROGRESS_FD=" + std::to_string(kChildDescriptor)};
+  if (std::getenv("OMP_WAIT_POLICY") == nullptr) variables.push_back("OMP_WAIT_POLICY=passive");
   for (char** v = environ; *v != nullptr; ++v) {
     const std::string variable = *v;
-    has_policy = has_policy || variable.starts_with("OMP_WAIT_POLICY=");
     if (!variable.starts_with("OMP_NUM_THREADS=") && !variable.starts_with("NPDR_PROGRESS_FD=")) {
       variables.push_back(variable);
     }
   }
-  if (!has_policy) variables.push_back("OMP_WAIT_POLICY=passive");
-  variables.push_back("OMP_NUM_THREADS=" + std::to_string(threads));
-  variables.push_back("NPDR_PROGRESS_FD=" + std::to_string(kChildDescriptor));
   return variables;
 }
 
@@ -57,55 +55,28 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, int threads,
                            const std::filesystem::path& log) {
   make_folder(log.parent_path());
   // Opened here: posix_spawn() wouldn't say which file it is that it can't open.
-  const int output =
-      open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
-  if (output < 0) throw_file_error(log, "be written", errno);
-  std::array<int, 2> ends;
-  if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0) {
-    close(output);
-    throw Error(std::string("can't make a pipe: ") + std::strerror(errno));
-  }
-  pipe_ = ends[0];
+  const OpenFile output(log, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW);
+  if (!output.is_open()) throw_file_error(log, "be written", errno);
+  Pipe ends;
+  fcntl(ends.write_end(), F_SETFL, O_NONBLOCK);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, output.value(), STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], kChildDescriptor);
+  posix_spawn_file_actions_adddup2(&actions, ends.write_end(), kChildDescriptor);
   // A group of its own: Ctrl-C reaches the parent alone, which passes it on.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   posix_spawnattr_setpgroup(&attributes, 0);
-  std::vector<std::string> arguments = command;
-  std::vector<std::string> environment = child_environment(threads);
+  std::vector<std::string> arguments = command, environment = child_environment(threads);
   const int error = posix_spawn(&pid_, command.front().c_str(), &actions, &attributes,
                                 pointers(arguments).data(), pointers(environment).data());
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
-  close(ends[1]);
-  close(output);
-  if (error != 0) {
-    close(pipe_);
-    throw Error(command.front() + ": can't be started: " + std::strerror(error));
-  }
-}
-
-ChildProcess::~ChildProcess() {
-  if (pipe_ >= 0) close(pipe_);
-}
-
-ChildProcess::ChildProcess(ChildProcess&& other) noexcept
-    : pid_(std::exchange(other.pid_, -1)),
-      pipe_(std::exchange(other.pipe_, -1)),
-      exit_status_(other.exit_status_),
-      buffer_(std::move(other.buffer_)),
-      state_(std::move(other.state_)),
-      said_(std::move(other.said_)),
-      last_news_(other.last_news_) {}
-
-double ChildProcess::silence() const {
-  return std::chrono::duration<double>(Clock::now() - last_news_).count();
+  if (error != 0) throw Error(command.front() + ": can't be started: " + std::strerror(error));
+  pipe_ = ends.take(ends.read_end());
 }
 
 void ChildProcess::read_progress() {
@@ -139,10 +110,6 @@ void ChildProcess::parse(const std::string& line) {
   const bool is_first = state_.total == 0 && state_.done == 0;
   state.begun = is_first ? state.done : state_.begun;
   state_ = state;
-}
-
-void ChildProcess::send_signal(int signal) const {
-  if (pid_ > 0) kill(pid_, signal);
 }
 
 bool ChildProcess::has_ended() {

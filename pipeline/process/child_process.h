@@ -2,17 +2,19 @@
 #pragma once
 
 #include <sys/types.h>
+#include <unistd.h>
 
-#include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "core/types.h"
+#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 
-/// A running child. Not copyable: it owns a pipe.
+/// A running child.
 class ChildProcess {
  public:
   /// Starts `command` (a path and its arguments) on `threads` OpenMP threads, in a process group of
@@ -20,9 +22,9 @@ class ChildProcess {
   /// when it can't be started.
   ChildProcess(const std::vector<std::string>& command, int threads,
                const std::filesystem::path& log);
-  ~ChildProcess();
-  ChildProcess(ChildProcess&& other) noexcept;
-  ChildProcess& operator=(ChildProcess&&) = delete;
+  ~ChildProcess() { close(pipe_); }
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
 
   /// Progress, as the child last reported it.
   struct State {
@@ -39,18 +41,17 @@ class ChildProcess {
   void read_progress();
   const State& state() const { return state_; }
   /// Seconds since anything came, or since its start.
-  double silence() const;
+  double silence() const { return seconds_since(last_news_); }
 
-  void send_signal(int signal) const;
-
+  void send_signal(int signal) const {
+    if (pid_ > 0) kill(pid_, signal);
+  }
   /// True once the child has ended; then exit_status() is its status, or 128 + the signal.
   bool has_ended();
   int exit_status() const { return exit_status_; }
 
  private:
   void parse(const std::string& line);
-
-  using Clock = std::chrono::steady_clock;
 
   pid_t pid_ = -1;
   int pipe_ = -1;

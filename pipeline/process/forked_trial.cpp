@@ -47,22 +47,20 @@ constexpr std::uintmax_t kMaxMoreSeconds = 6 * 3600;
   _exit(0);
 }
 
-bool is_one_of(int signal, const auto& signals) {
-  return std::ranges::find(signals, signal) != signals.end();
-}
-
 // Other signals, such as SIGKILL for want of memory, say nothing of the action.
 Ending ending_of(int status) {
   if (WIFEXITED(status)) return WEXITSTATUS(status) == 0 ? Ending::came_back : Ending::crashed;
-  if (is_one_of(WTERMSIG(status), kTimeouts)) return Ending::ran_out_of_time;
-  return is_one_of(WTERMSIG(status), kCrashes) ? Ending::crashed : Ending::came_back;
+  if (std::ranges::count(kTimeouts, WTERMSIG(status)) > 0) return Ending::ran_out_of_time;
+  const bool is_crash = std::ranges::count(kCrashes, WTERMSIG(status)) > 0;
+  return is_crash ? Ending::crashed : Ending::came_back;
 }
 
-// Of the file, and of what lies in the folder of its name: shards of a simulation.
-std::uintmax_t size_of(const std::filesystem::path& path) {
+// By the size of the file, and of what lies in the folder of its name: shards of a simulation.
+TrialLimits limits_for(const std::filesystem::path& path) {
+  TrialLimits limits;
   std::error_code error;
   std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) return 0;
+  if (error) return limits;
   const std::filesystem::path shards = std::filesystem::path(path).replace_extension();
   for (std::filesystem::directory_iterator entry(shards, error), end; !error && entry != end;
        entry.increment(error)) {
@@ -70,12 +68,6 @@ std::uintmax_t size_of(const std::filesystem::path& path) {
     const std::uintmax_t more = entry->file_size(unknown);
     size += unknown ? 0 : more;
   }
-  return size;
-}
-
-TrialLimits limits_for(const std::filesystem::path& path) {
-  const std::uintmax_t size = size_of(path);
-  TrialLimits limits;
   const auto more = static_cast<unsigned>(std::min(size / kBytesPerSecond, kMaxMoreSeconds));
   return {limits.cpu_seconds + more, limits.seconds + more};
 }

@@ -1,14 +1,56 @@
-/// Progress of long work: a live line on a terminal, a plain line a minute elsewhere.
+/// Progress of long work: live lines on a terminal, a plain line a minute elsewhere; and the batch
+/// job that a process is a part of, whose task learns whether what it ran has brought anything to
+/// the disk.
 #pragma once
+
+#include <unistd.h>
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "core/finding.h"
 #include "core/types.h"
-#include "pipeline/process/live_lines.h"
+#include "pipeline/process/fitted_text.h"
 
 namespace npdr::pipeline {
+
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// "[#####.....]" of `width` characters; share in [0, 1].
+std::string bar(double share, int width);
+
+/// Lines at the end of stderr's terminal that are written anew in their place. None is ever wider
+/// than the terminal: one that wrapped couldn't be taken back. Never throws: a terminal that was
+/// closed ends no run. Not thread-safe.
+class LiveLines {
+ public:
+  LiveLines() : is_terminal_(isatty(STDERR_FILENO) != 0) {}
+  /// Ends the last line.
+  ~LiveLines();
+  LiveLines(const LiveLines&) = delete;
+  LiveLines& operator=(const LiveLines&) = delete;
+
+  /// Whether stderr is a terminal; elsewhere nothing can be taken back, and show() does nothing.
+  bool is_terminal() const { return is_terminal_; }
+  /// As it is now: people change it.
+  TerminalSize size() const { return terminal_size(STDERR_FILENO).value_or(TerminalSize{}); }
+
+  /// Writes these in place of those that are shown.
+  void show(const std::vector<std::string>& lines);
+  /// Takes them back: what is printed next stands in their place.
+  void clear();
+
+ private:
+  std::string back_to_the_first() const;
+
+  bool is_terminal_;
+  std::size_t num_shown_ = 0;
+};
 
 /// "simulate NPDR (MAF), seed 1, round 2: 400/1000 [00:03<00:05, 120/s]" on stderr. Where a parent
 /// process shows the progress of many (environment variable NPDR_PROGRESS_FD), the counts go there
@@ -27,10 +69,10 @@ class Progress {
   std::string label_;
   Index total_;
   Index begun_;
-  int parent_;  ///< file descriptor, -1: none
+  bool has_parent_;  ///< a process that shows the progress
   LiveLines line_;
-  std::chrono::steady_clock::time_point start_;
-  std::chrono::steady_clock::time_point shown_;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point shown_ = start_;
 };
 
 /// Shows `note` beside the counts of a parent process's display until the next update: what goes
@@ -51,5 +93,19 @@ std::string progress_text(Index done, Index total, double seconds, Index begun =
 
 /// "03:25", "1:02:03".
 std::string clock_text(double seconds);
+
+/// The id of the task, as Slurm ("17", "17_3" in an array), PBS, LSF or Grid Engine give it to a
+/// job's environment; NPDR_JOB_ID comes before them all. Empty: none.
+std::string batch_job_id();
+
+/// The same of Slurm alone.
+std::string slurm_task_id();
+
+/// The variable that names the mark's file to the programs of a task.
+inline constexpr const char* kTaskMark = "NPDR_TASK_MARK";
+
+/// Makes the mark, if this process is a part of a task: an artefact, shard or checkpoint is there
+/// now. Never throws.
+void mark_progress() noexcept;
 
 }  // namespace npdr::pipeline

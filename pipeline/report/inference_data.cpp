@@ -12,7 +12,6 @@
 #include "pipeline/plan/completeness.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/process/build_info.h"
-#include "pipeline/process/utc_time.h"
 #include "pipeline/store/netcdf.h"
 
 namespace npdr::pipeline {

@@ -16,7 +16,6 @@
 #include "pipeline/findings/findings.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/report_marker.h"
-#include "pipeline/plan/shards.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/report/figure_parts.h"
 #include "pipeline/report/policy_parts.h"
@@ -204,7 +203,7 @@ void run_report(const Plan& plan, const Node& node) {
   const fs::path folder = plan.work.study(plan.study.name);
   make_folder(folder / "figures");
   make_folder(folder / "tables");
-  unmark_report(node);  // from here on it is neither the old one nor the new one
+  std::filesystem::remove(node.path);  // from here on it is neither the old one nor the new one
 
   analysis::Report report;
   report.title = plan.study.report.title.empty() ? plan.study.name : plan.study.report.title;

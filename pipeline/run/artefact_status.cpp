@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
+#include <tuple>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -12,7 +13,6 @@
 #include "core/text.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/plan/shards.h"
 #include "pipeline/store/hostile_json.h"
 #include "pipeline/store/seal.h"
 
@@ -57,18 +57,10 @@ std::optional<fs::path> removed_artefact(const Plan& plan, const Node& node) {
   return (link.parent_path() / fs::read_symlink(link, error)).lexically_normal();
 }
 
-// How a checkpoint says how far the work has come.
-struct CheckpointKind {
-  Schema schema;
-  const char* unit;
-  const char* attribute;
-};
-
-CheckpointKind checkpoint_kind(const Plan& plan, const Node& node) {
+// The schema of a checkpoint, and how it says how far the work has come: unit and attribute.
+std::tuple<Schema, const char*, const char*> checkpoint_kind(const Plan& plan, const Node& node) {
   if (node.stage == Stage::policy) return {kPolicyCheckpointSchema, "iteration", "iteration"};
-  if (node.stage == Stage::diagnose) {
-    return {kDiagnosisCheckpointSchema, "simulation", "num_done"};
-  }
+  if (node.stage == Stage::diagnose) return {kDiagnosisCheckpointSchema, "simulation", "num_done"};
   if (is_refinement(plan, node)) return {kRefinementCheckpointSchema, "simulation", "num_draws"};
   return {kCheckpointSchema, "epoch", "epochs"};
 }
@@ -81,11 +73,11 @@ std::optional<std::string> partial_detail(const Plan& plan, const Node& node) {
     if (missing == total) return std::nullopt;
     return fmt::format("{} of {} shards", total - missing, total);
   }
-  const CheckpointKind kind = checkpoint_kind(plan, node);
+  const auto [schema, unit, attribute] = checkpoint_kind(plan, node);
   const auto file = open_artefact_if_there(
-      {plan.work.checkpoint(name_of(node.stage), node.key), node.key}, kind.schema);
+      {plan.work.checkpoint(name_of(node.stage), node.key), node.key}, schema);
   if (!file) return std::nullopt;
-  return fmt::format("checkpoint at {} {}", kind.unit, file->attribute<Index>(kind.attribute));
+  return fmt::format("checkpoint at {} {}", unit, file->attribute<Index>(attribute));
 }
 
 Json document_of(const fs::path& artefact) {
@@ -179,14 +171,6 @@ void check_artefact(const Plan& plan, const Node& node, Scrutiny scrutiny, Artef
   content_digest(node.path);
 }
 
-// Where the log of its jobs is, those of earlier versions included; empty: none said anything.
-std::string words_on_log(const Plan& plan, const Node& node) {
-  const fs::path log = log_of(plan, node);
-  std::error_code error;
-  const auto size = fs::file_size(log, error);
-  return error || size == 0 ? "" : "what its jobs have said: " + log.string();
-}
-
 void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, ArtefactStatus& status) {
   if (is_complete(plan, node)) {
     status.state = ArtefactState::up_to_date;
@@ -204,8 +188,11 @@ void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, Artefact
   } else if (status.earlier) {
     status.state = ArtefactState::stale;
   }
-  const std::string log = words_on_log(plan, node);
-  if (!log.empty()) status.detail += (part ? "; " : "") + log;
+  const fs::path log = log_of(plan, node);  // of its jobs, those of earlier versions included
+  std::error_code error;
+  const auto size = fs::file_size(log, error);
+  if (error || size == 0) return;
+  status.detail += (part ? "; " : "") + ("what its jobs have said: " + log.string());
 }
 
 }  // namespace

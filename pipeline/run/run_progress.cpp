@@ -3,26 +3,61 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <csignal>
+#include <deque>
+#include <fstream>
+#include <sstream>
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
 
 const std::string kAnyMethod = "(any)";
 
-std::string counts(const RunProgress& run) {
-  return fmt::format("{} of {} artefacts", run.num_made, run.num_missing);
-}
-
 // "01:24, 00:31 left"; "01:24" where what is left isn't known, or nothing.
 std::string time_text(const RunProgress& run) {
-  const std::string passed = clock_text(run.seconds);
-  if (run.seconds_left.value_or(0.0) <= 0.0) return passed;
-  return passed + ", " + clock_text(*run.seconds_left) + " left";
+  const bool is_known = run.seconds_left.value_or(0.0) > 0.0;
+  return clock_text(run.seconds) + (is_known ? ", " + clock_text(*run.seconds_left) + " left" : "");
+}
+
+std::string tail_of(const JobLog& log) {
+  constexpr std::size_t num_lines = 20;
+  std::ifstream file(log.path);
+  file.seekg(static_cast<std::streamoff>(log.begin));
+  std::deque<std::string> lines;
+  for (std::string line; std::getline(file, line);) {
+    lines.push_back("    " + printable_line(line) + "\n");
+    if (lines.size() > num_lines) lines.pop_front();
+  }
+  return fmt::format("{}", fmt::join(lines, ""));
+}
+
+// Counts of rows and seconds differ from job to job; what is part of a name or path does not.
+std::string without_numbers(const std::string& text) {
+  std::istringstream words(text);
+  std::string result;
+  for (std::string word; words >> word;) {
+    if (word.find_first_not_of("0123456789.,:;()") != std::string::npos) result += word;
+    result += ' ';
+  }
+  return result;
+}
+
+std::string how_it_ended(int status) {
+  if (status <= 128) return fmt::format("exit status {}", status);
+  const int signal = status - 128;
+  constexpr int crashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+  const char* what_now = "";
+  if (signal == SIGKILL) {
+    what_now = ", often for want of memory; run it again, with a smaller --jobs if that recurs";
+  } else if (std::ranges::count(crashes, signal) > 0) {
+    what_now = ", it crashed, maybe in a simulator.library; a worker that crashes costs only rows";
+  }
+  return fmt::format("killed by signal {}{}", signal, what_now);
 }
 
 }  // namespace
@@ -90,9 +125,9 @@ std::string silence_text(double seconds) {
 std::vector<std::string> live_lines(const RunProgress& run, const TerminalSize& size) {
   const int bar_width = size.columns < 60 ? 12 : 24;
   const std::string percent = run.share ? fmt::format("{:3.0f} % ", 100.0 * *run.share) : "";
-  std::vector<std::string> lines = {fmt::format("{} {} {}{}, {}", run.study,
+  std::vector<std::string> lines = {fmt::format("{} {} {}{}, {} of {} artefacts", run.study,
                                                 bar(run.share.value_or(0.0), bar_width), percent,
-                                                time_text(run), counts(run))};
+                                                time_text(run), run.num_made, run.num_missing)};
   constexpr std::size_t rows_of_others = 3;
   const auto rows = static_cast<std::size_t>(size.rows);
   if (run.jobs.size() + rows_of_others <= rows) {
@@ -105,9 +140,29 @@ std::vector<std::string> live_lines(const RunProgress& run, const TerminalSize& 
 
 std::string log_line(const RunProgress& run) {
   const std::string percent = run.share ? fmt::format("{:.0f} %, ", 100.0 * *run.share) : "";
-  std::string text = fmt::format("{}: {}{} [{}]", run.study, percent, counts(run), time_text(run));
+  std::string text = fmt::format("{}: {}{} of {} artefacts [{}]", run.study, percent, run.num_made,
+                                 run.num_missing, time_text(run));
   for (const std::string& job : run.jobs) text += " | " + job;
   return text;
+}
+
+std::string FailureWords::tell(const std::string& label, int status,
+                               const std::vector<std::string>& said, const JobLog& log) {
+  const std::string how = how_it_ended(status);
+  std::string lines = said.empty() ? tail_of(log) : "";
+  std::set<std::string> new_lines;
+  const bool repeats = !said.empty() && told_.contains(without_numbers(said.front()));
+  for (const std::string& line : said) {
+    const std::string words = without_numbers(line);
+    if (told_.contains(words)) continue;
+    new_lines.insert(words);
+    lines += "    " + line + "\n";
+  }
+  told_.merge(new_lines);
+  const bool is_stopped = status == static_cast<int>(ExitStatus::checkpointed);
+  return fmt::format("npdr: {} {} ({}){}:\n{}    log: {}\n", label,
+                     is_stopped ? "stopped" : "failed", how, repeats ? ", as above" : "", lines,
+                     log.path.string());
 }
 
 }  // namespace npdr::pipeline

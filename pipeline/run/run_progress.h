@@ -1,15 +1,19 @@
-/// How far a run has come, how long it still takes, and how `npdr run` shows that. Artefacts count
-/// by what they cost: a simulation of ten thousand rows and a proposal not as one another.
+/// How far a run has come, how long it still takes, and how `npdr run` shows that and failures.
+/// Artefacts count by what they cost: a simulation of ten thousand rows and a proposal not as one
+/// another.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pipeline/plan/plan.h"
-#include "pipeline/process/live_lines.h"
+#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 
@@ -72,5 +76,24 @@ std::vector<std::string> live_lines(const RunProgress& run, const TerminalSize& 
 
 /// One line for a log.
 std::string log_line(const RunProgress& run);
+
+/// The file that a job's standard error went to, after what earlier jobs left in it.
+struct JobLog {
+  std::filesystem::path path;
+  std::uintmax_t begin = 0;  ///< where what the job wrote begins
+};
+
+/// Tells each cause once: a simulator that can't be used lets every job fail that asks it.
+class FailureWords {
+ public:
+  /// Lines about a job that ended with `status` (128 + a signal). `said`: its own words; where
+  /// there are none, the end of its log does. Lines that were told of another job, with whatever
+  /// numbers, aren't repeated.
+  std::string tell(const std::string& label, int status, const std::vector<std::string>& said,
+                   const JobLog& log);
+
+ private:
+  std::set<std::string> told_;
+};
 
 }  // namespace npdr::pipeline

@@ -12,16 +12,9 @@
 #include "core/finding.h"
 #include "core/stop_request.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // Unlike fmt::print(), doesn't throw: a terminal that was closed or a full disk end no run.
 void print(const std::string& text) { std::fputs(text.c_str(), stderr); }
@@ -87,9 +80,9 @@ std::vector<const Node*> missing_nodes(const Plan& plan, std::optional<Stage> un
   std::vector<bool> is_reachable;  // complete, or made before `until` ends
   for (const Node& node : plan.nodes) {
     const bool is_there = is_complete(plan, node);
-    const bool can_be_made = (!until || comes_until(plan, node, *until)) &&
-                             std::all_of(node.needs.begin(), node.needs.end(),
-                                         [&](std::size_t need) { return is_reachable[need]; });
+    const auto is_reached = [&](std::size_t need) { return is_reachable[need]; };
+    const bool can_be_made =
+        (!until || comes_until(plan, node, *until)) && std::ranges::all_of(node.needs, is_reached);
     is_reachable.push_back(is_there || can_be_made);
     if (!is_there && can_be_made) missing.push_back(&node);
   }
@@ -100,15 +93,12 @@ std::vector<const Node*> missing_nodes(const Plan& plan, const SchedulerConfig& 
   std::vector<const Node*> missing = missing_nodes(plan, config.until);
   if (config.artefacts.empty()) return missing;
   std::erase_if(missing, [&](const Node* node) {
-    return std::ranges::find(config.artefacts, node->key) == config.artefacts.end();
+    return std::ranges::count(config.artefacts, node->key) == 0;
   });
   for (const Node* node : missing) {
     for (const std::size_t need : node->needs) {
-      const Node* const needed = &plan.nodes[need];
-      if (std::ranges::find(missing, needed) != missing.end() || is_complete(plan, *needed)) {
-        continue;
-      }
-      require_input(plan, *node, *needed);
+      const Node& needed = plan.nodes[need];
+      if (std::ranges::count(missing, &needed) == 0) require_input(plan, *node, needed);
     }
   }
   return missing;
@@ -151,10 +141,8 @@ ExitStatus Scheduler::run() {
 }
 
 bool Scheduler::is_ready(std::size_t node) const {
-  if (states_[node] != State::waiting) return false;
-  const auto& needs = plan_.nodes[node].needs;
-  return std::all_of(needs.begin(), needs.end(),
-                     [&](std::size_t need) { return states_[need] == State::done; });
+  const auto is_done = [&](std::size_t need) { return states_[need] == State::done; };
+  return states_[node] == State::waiting && std::ranges::all_of(plan_.nodes[node].needs, is_done);
 }
 
 void Scheduler::start_ready_jobs() {
@@ -164,7 +152,9 @@ void Scheduler::start_ready_jobs() {
   }
   for (std::size_t r = 0; r < ready.size() && free_slots_ > 0; ++r) {
     const int share = std::max(1, free_slots_ / static_cast<int>(ready.size() - r));
-    start(ready[r], uses_threads(plan_, plan_.nodes[ready[r]]) ? share : 1);
+    const Node& node = plan_.nodes[ready[r]];
+    const bool uses_threads = traits_of(node.stage).uses_threads || is_refinement(plan_, node);
+    start(ready[r], uses_threads ? share : 1);
   }
 }
 
@@ -174,9 +164,7 @@ void Scheduler::start(std::size_t index, int threads) {
   std::error_code none;
   const auto size = std::filesystem::file_size(log.path, none);
   if (!none) log.begin = size;
-  jobs_.push_back({index, threads,
-                   ChildProcess(stage_command(plan_, node), threads, log.path.string()), log,
-                   Clock::now()});
+  jobs_.emplace_back(index, threads, stage_command(plan_, node), std::move(log));
   states_[index] = State::running;
   free_slots_ -= threads;
 }
@@ -189,10 +177,8 @@ void Scheduler::wait_for_news() {
   poll(descriptors.data(), descriptors.size(), milliseconds);
   for (Job& job : jobs_) job.process.read_progress();
   // A closed pipe is always ready: the process is about to end.
-  if (std::any_of(descriptors.begin(), descriptors.end(),
-                  [](const pollfd& d) { return (d.revents & POLLHUP) != 0; })) {
-    usleep(1000);
-  }
+  const auto is_closed = [](const pollfd& d) { return (d.revents & POLLHUP) != 0; };
+  if (std::ranges::any_of(descriptors, is_closed)) usleep(1000);
 }
 
 void Scheduler::collect_ended_jobs() {
@@ -214,7 +200,10 @@ void Scheduler::end_of(const Job& job) {
     states_[job.node] = State::done;
     ++num_made_;
     costs_.learn(node, spent(job));
-    print_warnings(node, job.process.said());
+    if (!job.process.said().empty()) lines_.clear();
+    for (const std::string& line : job.process.said()) {
+      print(fmt::format("npdr: {}: {}\n", node.label(), line));
+    }
     return;
   }
   states_[job.node] = State::failed;
@@ -228,13 +217,6 @@ void Scheduler::end_of(const Job& job) {
   }
   lines_.clear();
   print(failures_.tell(node.label(), status, job.process.said(), job.log));
-}
-
-void Scheduler::print_warnings(const Node& node, const std::vector<std::string>& warnings) {
-  if (!warnings.empty()) lines_.clear();
-  for (const std::string& line : warnings) {
-    print(fmt::format("npdr: {}: {}\n", node.label(), line));
-  }
 }
 
 void Scheduler::pass_on_stop_request() {

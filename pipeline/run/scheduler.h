@@ -2,7 +2,6 @@
 /// time.
 #pragma once
 
-#include <chrono>
 #include <list>
 #include <optional>
 #include <string>
@@ -11,8 +10,7 @@
 #include "core/error.h"
 #include "pipeline/plan/plan.h"
 #include "pipeline/process/child_process.h"
-#include "pipeline/process/live_lines.h"
-#include "pipeline/run/failure_words.h"
+#include "pipeline/process/progress.h"
 #include "pipeline/run/run_progress.h"
 #include "pipeline/stages/stages.h"
 
@@ -50,11 +48,16 @@ class Scheduler {
  private:
   enum class State { waiting, running, done, failed };
   struct Job {
+    Job(std::size_t its_node, int its_threads, const std::vector<std::string>& command, JobLog its)
+        : node(its_node),
+          threads(its_threads),
+          log(std::move(its)),
+          process(command, threads, log.path) {}
     std::size_t node;
     int threads;
-    ChildProcess process;
     JobLog log;
-    std::chrono::steady_clock::time_point start;
+    ChildProcess process;
+    Clock::time_point start = Clock::now();
   };
 
   bool is_ready(std::size_t node) const;
@@ -63,12 +66,10 @@ class Scheduler {
   void wait_for_news();
   void collect_ended_jobs();
   void end_of(const Job& job);
-  void print_warnings(const Node& node, const std::vector<std::string>& warnings);
   void pass_on_stop_request();
   /// Core-seconds of a job so far, and of what is left of it; none where nothing tells.
   static double spent(const Job& job);
   std::optional<double> left(const Job& job) const;
-  /// Share of the run's work that is done, as WorkLeft has it.
   std::optional<double> share_done() const;
   std::string job_text(const Job& job) const;
   void show_progress(bool force);
@@ -88,8 +89,8 @@ class Scheduler {
   double shown_share_ = 0.0;
   LiveLines lines_;
   FailureWords failures_;
-  std::chrono::steady_clock::time_point start_;
-  std::chrono::steady_clock::time_point shown_;
+  Clock::time_point start_;
+  Clock::time_point shown_;
 };
 
 }  // namespace npdr::pipeline

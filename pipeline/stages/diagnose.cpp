@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
+#include <tuple>
 
 #include "core/constants.h"
 #include "core/error.h"
@@ -18,9 +20,8 @@
 #include "pipeline/features/targets.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/stages/checkpoints.h"
+#include "pipeline/stages/stage_parts.h"
 #include "pipeline/stages/stages.h"
-#include "pipeline/stages/training_curves.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -44,9 +45,9 @@ struct Case {
   const MethodConfig& method;
   Observation observation;
   DiagnoseConfig config;
-  std::unique_ptr<inference::Embedding> embedding;
-  VectorF x_o;
-  Calibration calibration;  // where any check calibrates
+  std::unique_ptr<inference::Embedding> embedding = nullptr;
+  VectorF x_o = {};
+  Calibration calibration = {};  // where any check calibrates
 
   const Node& last_posterior() const { return plan.input(node, "posterior"); }
   // Of round 1, which has learned from the whole prior.
@@ -63,41 +64,27 @@ Case make_case(const Plan& plan, const Node& node) {
          .node = node,
          .method = method,
          .observation = {plan.study, read_seen_target(plan, node)},
-         .config = plan.study.diagnose_of(method).of_diagnosis(),
-         .embedding = nullptr,
-         .x_o = {},
-         .calibration = {}};
+         .config = plan.study.diagnose_of(method).of_diagnosis()};
   c.embedding = inference::make_embedding(method.embedding, c.observation.target(),
                                           plan.study.simulator.store_every);
   c.x_o = c.observation.x_o(*c.embedding);
   return c;
 }
 
-void require_rows(const Case& c, Index found, Index failed) {
-  if (found >= inference::kFewestSimulations) return;
-  throw InputError(
-      fmt::format("{}: {} simulations of calibration and {} failed ones, must be at least {} good "
-                  "ones; raise diagnose.num_simulations",
-                  c.node.label(), found, failed, inference::kFewestSimulations));
-}
-
-RowMatrixF all_features(const SimulationFeatures& source) {
-  std::vector<std::uint32_t> rows(static_cast<std::size_t>(source.num_rows()));
-  std::iota(rows.begin(), rows.end(), 0u);
-  RowMatrixF x;
-  source.gather(rows, 0, x);
-  return x;
-}
-
 Calibration calibrate(const Case& c, ArtefactWriter& writer) {
   const SimulationFeatures features(c.plan, std::vector{&c.plan.input(c.node, "calibration")},
                                     c.observation, *c.embedding);
-  require_rows(c, features.num_rows(), features.num_failed());
-  Calibration made{read_network_posterior(c.first_posterior()),
-                   features.num_failed(),
-                   features.theta(),
-                   all_features(features),
-                   {}};
+  if (features.num_rows() < inference::kFewestSimulations) {
+    throw InputError(fmt::format(
+        "{}: {} simulations of calibration and {} failed ones, must be at least {} good ones; "
+        "raise diagnose.num_simulations",
+        c.node.label(), features.num_rows(), features.num_failed(), inference::kFewestSimulations));
+  }
+  std::vector<std::uint32_t> all(static_cast<std::size_t>(features.num_rows()));
+  std::iota(all.begin(), all.end(), 0u);
+  Calibration made{
+      read_network_posterior(c.first_posterior()), features.num_failed(), features.theta(), {}, {}};
+  features.gather(all, 0, made.x);
   Checkpoints checkpoints(c.plan, c.node, kDiagnosisCheckpointSchema);
   DiagnosisCheckpoint earlier =
       read_diagnosis_checkpoint(checkpoints.file(), made.theta, c.config.num_samples);
@@ -212,14 +199,6 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
   return result;
 }
 
-// A posterior whose samples can't be simulated doesn't predict what was observed.
-PredictiveResult without_predictions(PredictiveResult result) {
-  result.median.setConstant(result.observed.size(), kNaN);
-  result.check.summary_p_value.setZero(result.observed.size());
-  result.check.p_value = 0.0;
-  return result;
-}
-
 PredictiveResult check_predictions(const Case& c) {
   const RowMatrix theta = read_posterior(c.last_posterior())
                               ->sample(c.config.num_samples, c.stream("diagnose_predictive"));
@@ -229,10 +208,13 @@ PredictiveResult check_predictions(const Case& c) {
   result.names = summary_names(selection, c.observation.target().state_channels);
   result.observed = summarize(c.observation.picked(selection), selection);
   result.num_failed = predictions.num_failed;
+  result.median.setConstant(result.observed.size(), kNaN);
+  // A posterior whose samples can't be simulated doesn't predict what was observed.
   if (predictions.features.rows() < inference::kFewestSimulations) {
-    return without_predictions(std::move(result));
+    result.check.summary_p_value.setZero(result.observed.size());
+    result.check.p_value = 0.0;
+    return result;
   }
-  result.median.resize(result.observed.size());
   for (Index s = 0; s < result.median.size(); ++s) {
     result.median(s) = upper_median(Vector(predictions.summaries.col(s)));
   }
@@ -289,6 +271,25 @@ static_assert(std::ranges::all_of(enum_table(Check{}), [](const CheckTraits& row
 }));
 
 }  // namespace
+
+inference::TrainingCheck check_training_curves(const PosteriorNotes& notes,
+                                               const inference::TrainingConfig& config) {
+  std::vector<inference::TrainingCheck> checks;
+  const auto check = [&](const TrainingLosses& losses) {
+    return inference::check_training(losses.training, losses.validation, config);
+  };
+  std::ranges::transform(notes.losses, std::back_inserter(checks), check);
+  if (notes.pool && notes.pool->powers.likelihood > 0.0) {
+    for (const TrainingLosses& losses : notes.likelihood_losses) {
+      if (const auto found = check(losses); !found.is_converged) checks.push_back(found);
+    }
+  }
+  const auto is_better = [](const auto& a, const auto& b) {
+    return std::tuple(!a.is_converged, a.generalization_gap) <
+           std::tuple(!b.is_converged, b.generalization_gap);
+  };
+  return *std::ranges::max_element(checks, is_better);
+}
 
 void run_diagnose(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kDiagnosisSchema, node.identity);

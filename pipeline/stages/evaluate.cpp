@@ -1,13 +1,92 @@
+#include <algorithm>
+
+#include "analysis/floor.h"
 #include "core/feature_names.h"
+#include "core/stop_request.h"
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/targets.h"
+#include "pipeline/predictions/prediction.h"
 #include "pipeline/predictions/scores.h"
+#include "pipeline/process/progress.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {
+
+// The only row, if any, `count` times.
+sim::Trajectories repeat(const sim::Trajectories& one, Index count) {
+  sim::Trajectories many;
+  if (one.num_rows == 0) return many;
+  many.resize(count, one.num_rollouts, one.num_steps, one.num_states);
+  std::ranges::fill(many.status, one.status.front());
+  for (Index i = 0; i < count; ++i) std::ranges::copy(one.values, many.row(i).begin());
+  return many;
+}
+
+// `number`: that of the point, which names the random numbers of a simulator that draws some.
+BaselinePoint measure(const Plan& plan, const Judge& judge, const std::string& name,
+                      const Vector& complete, std::size_t number) {
+  const PredictedRollouts predicted =
+      judge.simulate(complete.transpose(), {0, "external_baseline", 0, number, 0});
+  BaselinePoint point{name, plan.source->parameters().pick_one(complete),
+                      judge.measure_one(predicted)};
+  if (!plan.study.source().gives_motion) return point;
+  // With noise, a single rollout is one of as many samples as a posterior has.
+  const Index count = plan.study.evaluate.num_samples;
+  const PredictedRollouts many{repeat(predicted.seen, count), repeat(predicted.held_out, count)};
+  const StreamId id{0, "baseline_scores", number, 0, 0};
+  point.scores = score(judge, many, draw_noise(judge.seen().observation(), many.seen, {}, id), id);
+  return point;
+}
+
+PriorPredictions predict_by_prior(const Plan& plan, const Judge& judge) {
+  const Index count = plan.study.evaluate.num_samples;
+  const RowMatrix theta = inference::sample_prior(inference::Prior(plan.study.prior), count,
+                                                  {0, "prior_predictions", 0, 0, 0});
+  const StreamId id{0, "external_prior", 0, 0, 0};
+  const PredictedRollouts predicted = judge.simulate(plan.source->parameters().complete(theta), id);
+  PriorPredictions predictions{judge.measure(predicted)};
+  if (!plan.study.source().gives_motion) return predictions;
+  const NoiseOfSamples noise = draw_prior_noise(judge.seen().observation(), count, id);
+  predictions.scores = score(judge, predicted, noise, id);
+  return predictions;
+}
+
+// A search that costs as much as the simulations of one experiment, where the plan has a budget.
+analysis::FloorConfig floor_config(Index num_evaluations) {
+  analysis::FloorConfig config;
+  if (num_evaluations == 0) return config;
+  constexpr Index local_parts = 5;  // one for each of the two local searches
+  config.num_restarts = 1;
+  config.population = 64;
+  config.max_local_evaluations = std::max<Index>(1, num_evaluations / local_parts);
+  const Index global = num_evaluations - 2 * config.max_local_evaluations;
+  config.max_generations = std::max<Index>(1, global / config.population);
+  return config;
+}
+
+BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge) {
+  const ParameterMap& parameters = plan.source->parameters();
+  const SearchBox box = search_box(plan.study.prior, plan.source->info());
+  const Vector nominal = parameters.pick_one(parameters.nominal());
+  const Vector middle = 0.5 * (box.lower + box.upper);  // where there are no nominal values
+  const Vector start =
+      nominal.array().isFinite().select(nominal, middle).cwiseMax(box.lower).cwiseMin(box.upper);
+  Progress progress(node.label() + ", floor evaluations", 0);
+  Index num_evaluations = 0;
+  const auto objective = [&](const RowMatrix& theta) {
+    stop_here_if_requested();
+    num_evaluations += theta.rows();
+    progress.update(num_evaluations);
+    return judge.seen().rmse(theta);
+  };
+  const analysis::FloorResult floor =
+      analysis::find_floor(objective, box.lower, box.upper, start.transpose(),
+                           floor_config(plan.num_floor_evaluations()));
+  return measure(plan, judge, "floor", parameters.complete(floor.theta.transpose()).transpose(), 0);
+}
 
 // Simulates the posterior's samples.
 void predict(const Plan& plan, const Node& node, const Judge& judge, const StreamId& first,
@@ -33,6 +112,29 @@ void predict(const Plan& plan, const Node& node, const Judge& judge, const Strea
 }
 
 }  // namespace
+
+void run_baseline(const Plan& plan, const Node& node) {
+  ArtefactWriter writer(node.path, kBaselineSchema, node.identity);
+  const Judge judge(plan, node);
+  Baseline baseline{.points = {}, .prior = {}, .parameters = plan.study.prior};
+  std::vector<BaselinePoint>& points = baseline.points;
+  const auto add = [&](const std::string& name, const std::map<std::string, double>& values) {
+    const Vector complete = plan.source->parameters().nominal(values);
+    points.push_back(measure(plan, judge, name, complete, points.size()));
+  };
+  if (plan.source->has_nominal()) add("nominal", {});
+  for (const ReferenceConfig& reference : plan.study.references) {
+    add(reference.name, reference.parameters);
+  }
+  if (const auto& truth = plan.study.target.truth) {
+    add("truth", *truth);
+  } else if (plan.study.evaluate.floor) {
+    points.push_back(find_floor(plan, node, judge));
+  }
+  if (plan.study.source().simulates) baseline.prior = predict_by_prior(plan, judge);
+  kBaselineSchema.write(writer.file(), std::move(baseline));
+  writer.finish();
+}
 
 void run_evaluate(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kEvaluationSchema, node.identity);

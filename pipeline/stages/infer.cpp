@@ -1,5 +1,3 @@
-#include "inference/algorithms/posterior_estimation.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,14 +5,14 @@
 
 #include "core/error.h"
 #include "core/stop_request.h"
+#include "inference/algorithms/posterior_estimation.h"
 #include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/stages/checkpoints.h"
-#include "pipeline/stages/infer_methods.h"
+#include "pipeline/stages/stage_parts.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {

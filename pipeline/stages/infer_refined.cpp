@@ -11,9 +11,8 @@
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/predictions/left_out.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/stages/checkpoints.h"
-#include "pipeline/stages/infer_methods.h"
 #include "pipeline/stages/refined_rows.h"
+#include "pipeline/stages/stage_parts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -23,26 +22,9 @@ constexpr Index kMostParticles = 5000;  // of the refined posterior
 constexpr double kSearchShare = 0.7;    // of the simulations, for finding the power
 constexpr Index kMostMoves = 4;         // of first states
 constexpr double kFarthest = 30.0;      // deviations that a posterior is looked for elsewhere
+constexpr Index kUsualHelpers = 7;      // where the study doesn't say how many there are
 
 using Sampler = inference::ImportanceSampler;
-
-// Helpers that a refinement assumes where the study doesn't say how many there are.
-constexpr Index kUsualHelpers = 7;
-
-// Itself, beside so many.
-Helper none_of_helpers(const Plan& plan) {
-  const Index helpers = plan.study.cluster.refine_tasks;
-  return {.number = 0, .count = helpers > 0 ? helpers : kUsualHelpers};
-}
-
-// Draws of the posterior that is refined, over u; none: the prior's.
-RowMatrix start_of(const Plan& plan, const Node& node, const inference::Prior& prior,
-                   const StreamId& id) {
-  const Node* posterior = plan.find_input(node, numbered("posterior", 1));
-  if (posterior == nullptr) return {};
-  return prior.to_normal(
-      read_posterior(*posterior)->sample(kStartDraws, within(id, "refine_start")));
-}
 
 // Runs the sampler, with a checkpoint now and then, and one more when asked to stop.
 class Refinement {
@@ -58,7 +40,7 @@ class Refinement {
         powers_(earlier_.powers),
         sampler_(make_sampler()),
         likelihood_(plan, node, log_of(node.path)),
-        rows_(plan, node, likelihood_, none_of_helpers(plan)),
+        rows_(plan, node, likelihood_, {.number = 0, .count = num_helpers()}),
         progress_(node.label() + ", simulations", 0) {
     writer.add_cost(earlier_.cost);
     if (config_.cross_validate && likelihood_.num_rollouts() < 2) {
@@ -90,10 +72,10 @@ class Refinement {
     return failed;
   }
 
-  const Cost& cost_of_helpers() const { return rows_.cost_of_others(); }
-
   // Fills the artefact, and says what isn't right.
-  void write(h5::File& file, Index failed) const {
+  void write(ArtefactWriter& writer, Index failed) const {
+    writer.add_cost(rows_.cost_of_others());
+    h5::File& file = writer.file();
     inference::ImportanceSample sample = sampler_.particles(kMostParticles);
     inference::ImportanceCertificate& certificate = sample.certificate;
     certificate.num_draws += moves_.num_draws;
@@ -109,6 +91,11 @@ class Refinement {
   }
 
  private:
+  Index num_helpers() const {
+    const Index helpers = plan_.study.cluster.refine_tasks;
+    return helpers > 0 ? helpers : kUsualHelpers;
+  }
+
   // None: first states are exact.
   std::optional<FirstStateMoves> moves() const {
     if (!likelihood_.infers_first_states()) return std::nullopt;
@@ -260,11 +247,15 @@ class Refinement {
   // Goes on from the checkpoint.
   Sampler make_sampler() const {
     const StreamId id = sampler_id();
-    const bool is_new = earlier_.state.levels.empty();
+    const Node* posterior = plan_.find_input(node_, numbered("posterior", 1));
+    RowMatrix start;  // over u: draws of the posterior that is refined; none: the prior's
+    if (earlier_.state.levels.empty() && posterior != nullptr) {
+      start = prior_.to_normal(
+          read_posterior(*posterior)->sample(kStartDraws, within(id, "refine_start")));
+    }
     inference::ImportanceConfig config = config_;
     config.max_simulations -= moves_.num_draws;
-    return {config, prior_.dimension(), is_new ? start_of(plan_, node_, prior_, id) : RowMatrix(),
-            id, earlier_.state};
+    return {config, prior_.dimension(), start, id, earlier_.state};
   }
 
   void keep(Index failed) {
@@ -298,8 +289,7 @@ class Refinement {
 void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   Refinement refinement(plan, node, writer);
   const Index failed = refinement.run();
-  writer.add_cost(refinement.cost_of_helpers());
-  refinement.write(writer.file(), failed);
+  refinement.write(writer, failed);
 }
 
 }  // namespace npdr::pipeline

@@ -1,6 +1,10 @@
-// Search for a policy that does well over what inference believes of the domain parameters.
+// Search for a policy that does well over what inference believes of the domain parameters, and its
+// test.
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "core/stop_request.h"
@@ -10,7 +14,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/stages/checkpoints.h"
+#include "pipeline/stages/stage_parts.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -32,11 +36,6 @@ RowMatrix draw_domain_parameters(const Plan& plan, const Node& node, Index n) {
   return parameters.complete(inference::sample_prior(inference::Prior(plan.study.prior), n, id));
 }
 
-bool is_nominal(const Plan& plan, const Node& node) {
-  return plan.study.method(node.uses.front().method).algorithm.kind ==
-         inference::Algorithm::nominal;
-}
-
 // Parameters and states that the candidates of an iteration are tried on, the same for all.
 struct Trials {
   RowMatrix theta;           // (K, P)
@@ -51,7 +50,8 @@ class TrialSource {
       : node_(node), task_(task) {
     const PolicyConfig& policy = plan.study.policy;
     const Index k = policy.num_domain_parameters;
-    if (is_nominal(plan, node)) {
+    if (plan.study.method(node.uses.front().method).algorithm.kind ==
+        inference::Algorithm::nominal) {
       // One parameter vector: as many rollouts, each from an initial state of its own.
       num_states_ = k * policy.num_initial_states;
       theta_ = plan.source->parameters().nominal().transpose().replicate(num_iterations + 1, 1);
@@ -169,6 +169,26 @@ class Search {
   Cost earlier_;
 };
 
+// Each row of theta (rows, P) from each initial state, block by block.
+PolicyOutcomes try_policy(const Node& node, const sim::PolicyTask& task, const RowMatrix& theta,
+                          const PolicyTest& test) {
+  const Index n = test.initial_states.rows();
+  Progress progress(node.label(), theta.rows() * n);
+  PolicyOutcomes outcomes{RowMatrix(theta.rows(), n), RowMatrix(theta.rows(), n)};
+  for (Index i = 0; i < theta.rows(); ++i) {
+    stop_here_if_requested();
+    const sim::PolicyRollouts rollouts = task.run(theta.row(i).replicate(n, 1), test.initial_states,
+                                                  test.policy.transpose().replicate(n, 1));
+    outcomes.returns.row(i) = rollouts.returns.transpose();
+    for (Index s = 0; s < n; ++s) {
+      const bool is_ok = std::isfinite(rollouts.returns(s));
+      outcomes.success(i, s) = is_ok ? rollouts.success[static_cast<std::size_t>(s)] : kNaN;
+    }
+    progress.update((i + 1) * n);
+  }
+  return outcomes;
+}
+
 }  // namespace
 
 void run_policy(const Plan& plan, const Node& node) {
@@ -178,6 +198,34 @@ void run_policy(const Plan& plan, const Node& node) {
   kPolicySchema.write(writer.file(), {.optimizer = name_of(plan.study.policy.search.kind),
                                       .history = search.run(),
                                       .parameters = policy_columns(search.info())});
+  writer.finish();
+}
+
+void run_policy_test(const Plan& plan, const Node& node) {
+  ArtefactWriter writer(node.path, kPolicyTestSchema, node.identity);
+  const Study& study = plan.study;
+  const auto task = make_task(study);
+  const Node* policy = plan.find_input(node, "policy");
+  PolicyTest test;
+  test.policy =
+      policy == nullptr ? first_policy(study, task->info()) : kPolicySchema.read(*policy).policy;
+  // The same for all policies of a seed.
+  test.initial_states = task->initial_states(study.policy.num_test_states,
+                                             {node.uses.front().seed, "policy_test", 0, 0, 0});
+
+  const RowMatrix theta = tested_parameters(study, *plan.source);
+  const PolicyOutcomes all = try_policy(node, *task, theta, test);
+  const Index num_targets = study.target.truth ? 1 : 0, num_points = theta.rows() - num_targets;
+  const auto part = [&](Index begin, Index count) {
+    return PolicyOutcomes{all.returns.middleRows(begin, count),
+                          all.success.middleRows(begin, count)};
+  };
+  if (num_targets > 0) test.target = part(0, num_targets);
+  if (num_points > 0) test.grid = part(num_targets, num_points);
+  test.info = task->info();
+  test.states = sim::make_simulator(study.simulator)->info().state_channels;
+  test.axes = study.policy.grid;
+  kPolicyTestSchema.write(writer.file(), std::move(test));
   writer.finish();
 }
 

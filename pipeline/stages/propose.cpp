@@ -1,13 +1,80 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/random.h"
 #include "inference/abc/abc.h"
 #include "inference/algorithms/posterior_estimation.h"
 #include "pipeline/artefacts/particle_file.h"
+#include "pipeline/artefacts/policy_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/proposal_file.h"
+#include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/config/rollout_check.h"
+#include "pipeline/features/targets.h"
+#include "pipeline/predictions/policy_rollouts.h"
+#include "pipeline/process/progress.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {
+
+// Forbids held-out rollouts that inference sees: explaining them says nothing about others.
+void check_held_out(const char* key, const Target& seen, const Target& held_out) {
+  for (const Rollout& rollout : held_out.rollouts) {
+    for (const Rollout& other : seen.rollouts) {
+      if (rollout.states != other.states || rollout.actions != other.actions) continue;
+      throw InputError(fmt::format(
+          "{}: rollout '{}' is the same as '{}', which inference sees; must be left out where the "
+          "behavior isn't random",
+          key, rollout.name, other.name));
+    }
+  }
+}
+
+// The rollouts that inference has seen, and what the policy of the last iteration makes of the
+// simulated target domain.
+Target collect(const Plan& plan, const Node& node) {
+  const Use& use = node.uses.front();
+  const MethodConfig& method = plan.study.method(use.method);
+  const Use last{use.method, use.seed, 0, use.iteration - 1};
+  const Target earlier = read_target(plan, node);
+  const Index num_seen = num_rollouts_seen(method, last);
+  Target target = num_seen > 0 ? earlier.first(num_seen) : earlier;
+  const Index count = target.num_rollouts() / std::max<Index>(1, last.iteration);
+  Target more = collect_rollouts(
+      plan, target, kPolicySchema.read(plan.input(node, "policy")).policy, count,
+      {use.seed, "policy_rollouts", static_cast<std::uint64_t>(use.iteration), 0, 0});
+  // Those that are held out come after the first ones.
+  Index number = earlier.rollouts.back().number;
+  if (last.iteration <= 1) number += plan.study.target.held_out;
+  for (Rollout& rollout : more.rollouts) rollout.number = ++number;
+  target.rollouts.insert(target.rollouts.end(), more.rollouts.begin(), more.rollouts.end());
+  return target;
+}
+
+// The rollouts that inference sees, or those that are held out, of a fold or of all; or x_o.
+void write_part(const Plan& plan, const Node& node, const Target& all, h5::File& file) {
+  const Index num_seen = all.num_rollouts() - plan.study.target.held_out;
+  const Index fold = node.uses.front().fold;
+  if (!plan.study.source().gives_motion) {
+    write_observation(file, all);
+  } else {
+    if (plan.study.target.recording) require_motion(plan.study, all);
+    const std::string problem = plan.study.target.truth ? motion_problem(plan.study, all) : "";
+    // What isn't measured, or only simulated, may well rest.
+    if (!problem.empty() && !plan.study.evaluate.metrics.empty()) {
+      report_warning(node.label(), "no evaluation can measure this: " + problem);
+    }
+    const Target used = all.first(num_seen), seen = without_fold(plan.study, used, fold);
+    if (node.stage == Stage::target) return write_rollouts(file, seen);
+    const Target rest = fold > 0 ? of_fold(plan.study, used, fold) : all.after(num_seen);
+    check_held_out(fold > 0 ? "evaluate.leave_out" : "target.held_out", seen, rest);
+    write_rollouts(file, rest);
+  }
+}
 
 RowMatrix propose_from(const Plan& plan, const Node& posterior, Index n, const StreamId& id,
                        const MethodConfig& method) {
@@ -22,6 +89,18 @@ RowMatrix propose_from(const Plan& plan, const Node& posterior, Index n, const S
 }
 
 }  // namespace
+
+void run_target(const Plan& plan, const Node& node) {
+  ArtefactWriter writer(node.path, kTargetSchema, node.identity);
+  if (plan.find_input(node, "policy") != nullptr) {
+    write_rollouts(writer.file(), collect(plan, node));
+  } else {
+    const Target all =
+        plan.study.target.truth ? plan.source->behave(log_of(node.path)) : plan.target;
+    write_part(plan, node, all, writer.file());
+  }
+  writer.finish();
+}
 
 void run_propose(const Plan& plan, const Node& node) {
   ArtefactWriter writer(node.path, kProposalSchema, node.identity);

@@ -5,11 +5,16 @@
 
 #include <algorithm>
 #include <chrono>
+#include <thread>
 
+#include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/file_error.h"
 #include "core/stop_request.h"
 #include "pipeline/plan/completeness.h"
+#include "pipeline/process/progress.h"
+#include "pipeline/stages/stage_parts.h"
+#include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -32,20 +37,36 @@ std::set<std::string> names_in(const fs::path& folder) {
   return names;
 }
 
-Index num_rows_there(const std::vector<AskedShard>& shards, const std::set<std::string>& names) {
-  Index count = 0;
-  for (const AskedShard& shard : shards) {
-    if (names.contains(shard.file_name)) count += shard.rows.size();
-  }
-  return count;
-}
-
 void append(SimulatedRows& all, const SimulatedRows& rows) {
   const Index num_before = all.log_likelihood.size();
   all.log_likelihood.conservativeResize(num_before + rows.log_likelihood.size());
   all.log_likelihood.tail(rows.log_likelihood.size()) = rows.log_likelihood;
   all.num_failed += rows.num_failed;
   all.rollouts.append(rows.rollouts);
+}
+
+// Between two looks at what is asked for: short as long as the refinement may only be fitting its
+// next proposal, since looking through a folder asks the server of a network file system.
+void pause(double idle_seconds) {
+  constexpr double shortest = 0.05, longest = 1.0;  // [s]
+  const double length = std::clamp(0.1 * idle_seconds, shortest, longest);
+  const auto end = Clock::now() + std::chrono::duration<double>(length);
+  while (Clock::now() < end && !stop_requested()) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(shortest));
+  }
+}
+
+// It may begin together with the run that makes them.
+void wait_for_inputs(const Plan& plan, const Node& node, double patience) {
+  const auto start = Clock::now();
+  double waited = 0.0;
+  while (!has_inputs(plan, node) && waited < patience) {
+    if (waited == 0.0) report_error("help " + node.label(), "waits for what it starts from");
+    pause(waited);
+    stop_here_if_requested();
+    waited = seconds_since(start);
+  }
+  require_inputs(plan, node);
 }
 
 }  // namespace
@@ -72,16 +93,11 @@ RefinedRows::RefinedRows(const Plan& plan, const Node& node, SimulatedLikelihood
       node_(node),
       likelihood_(likelihood),
       walker_(walker),
-      most_rows_(plan.study.simulate.shard_size),
-      dimension_(std::ssize(plan.study.prior)),
-      num_values_(likelihood.num_values()),
       folder_(plan.work.asked_rows(node.key)) {}
-
-bool RefinedRows::has_helpers() const { return fs::is_directory(folder_); }
 
 std::optional<SimulatedRows> RefinedRows::ask(AskedRows asked, const OnRows& on_rows) {
   const Index each = (asked.theta.rows() + walker_.count) / (walker_.count + 1);
-  asked.shard_size = std::clamp<Index>(each, 1, most_rows_);
+  asked.shard_size = std::clamp<Index>(each, 1, plan_.study.simulate.shard_size);
   asked.first_errors = likelihood_.first_errors();
   const std::vector<AskedShard> shards = shards_of(asked, node_.key);
   const std::string asked_name = asked.file_name();
@@ -135,12 +151,13 @@ Index RefinedRows::help(const OnRows& on_rows) {
         kAskedRowsSchema.read_if_there({folder_ / name, node_.key});
     if (!asked) continue;
     const RowMatrix own = likelihood_.first_errors();
-    if (asked->theta.cols() != dimension_ || asked->file_name() != name ||
+    const Index dimension = std::ssize(plan_.study.prior);
+    if (asked->theta.cols() != dimension || asked->file_name() != name ||
         asked->first_errors.rows() != own.rows() || asked->first_errors.cols() != own.cols()) {
       throw InputError(fmt::format(
           "{}: asks for {} of {} parameters, must be for those of its name, of {}; remove this "
           "file",
-          (folder_ / name).string(), asked->file_name(), asked->theta.cols(), dimension_));
+          (folder_ / name).string(), asked->file_name(), asked->theta.cols(), dimension));
     }
     likelihood_.begin_without(asked->first_errors);
     num_made += walk(*asked, shards_of(*asked, node_.key), true, on_rows);
@@ -159,7 +176,11 @@ Index RefinedRows::walk(const AskedRows& asked, const std::vector<AskedShard>& s
   for (const std::size_t i : walking_order(shards.size(), walker_)) {
     if (there.contains(shards[i].file_name) || failed_.contains(shards[i].file_name)) continue;
     there = names_in(folder_);  // others may have made it meanwhile
-    on_rows(num_rows_there(shards, there));
+    Index num_there = 0;
+    for (const AskedShard& shard : shards) {
+      if (there.contains(shard.file_name)) num_there += shard.rows.size();
+    }
+    on_rows(num_there);
     if (there.contains(shards[i].file_name)) continue;
     if (stop_requested() || (must_be_asked && !there.contains(asked_name))) break;
     num_made += make(asked, shards[i]);
@@ -172,7 +193,7 @@ Index RefinedRows::walk(const AskedRows& asked, const std::vector<AskedShard>& s
 Index RefinedRows::make(const AskedRows& asked, const AskedShard& shard) {
   const Index count = shard.rows.size();
   const fs::path path = folder_ / shard.file_name;
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   Index at = 0;
   while_it_lasts([&] {
     SimulatedRows made;
@@ -192,8 +213,7 @@ Index RefinedRows::make(const AskedRows& asked, const AskedShard& shard) {
       return;
     }
     if (fs::exists(path)) return;  // which the refinement may be reading
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    const Cost cost = made.cost = cost_of_seconds(elapsed.count());
+    const Cost cost = made.cost = cost_of_seconds(seconds_since(start));
     kSimulatedRowsSchema.write(path, identity_of(asked, shard, node_.identity), std::move(made));
     if (!is_helper()) own_[shard.file_name] = cost.core_seconds;
   });
@@ -218,13 +238,12 @@ std::optional<SimulatedRows> RefinedRows::read(const AskedRows& asked,
   for (const AskedShard& shard : shards) {
     const std::optional<SimulatedRows> part = read_simulated_rows(folder_, shard);
     if (!part) return std::nullopt;
-    const sim::Trajectories& t = part->rollouts;
-    if (asked.rollouts && (t.num_rows != shard.rows.size() ||
-                           t.num_rollouts * t.num_steps * t.num_states != num_values_)) {
-      throw InputError(
-          fmt::format("{}: {} rollouts of {} numbers, must be {} of {}; remove this file",
-                      (folder_ / shard.file_name).string(), t.num_rows,
-                      t.num_rollouts * t.num_steps * t.num_states, shard.rows.size(), num_values_));
+    const Index rows = part->rollouts.num_rows, wanted = likelihood_.num_values();
+    const Index num_values = part->rollouts.row_size();
+    if (asked.rollouts && (rows != shard.rows.size() || num_values != wanted)) {
+      throw InputError(fmt::format(
+          "{}: {} rollouts of {} numbers, must be {} of {}; remove this file",
+          (folder_ / shard.file_name).string(), rows, num_values, shard.rows.size(), wanted));
     }
     append(all, *part);
     // This process has worked or waited meanwhile.
@@ -233,6 +252,36 @@ std::optional<SimulatedRows> RefinedRows::read(const AskedRows& asked,
   cost_of_others_ += cost_of_others;
   for (const AskedShard& shard : shards) own_.erase(shard.file_name);
   return all;
+}
+
+Index help_refinement(const Plan& plan, const Node& node, const Helper& helper, double patience) {
+  wait_for_inputs(plan, node, patience);
+  // Beside that of the refinement: programs of both write at the same time.
+  const fs::path log =
+      fs::path(node.path).replace_extension(fmt::format("helper-{}.log", helper.number));
+  SimulatedLikelihood likelihood(plan, node, log);
+  RefinedRows rows(plan, node, likelihood, helper);
+  Progress progress(fmt::format("help {}, simulations", node.label()), 0);
+  make_folder(plan.work.asked_rows(node.key));
+  Index num_rows = 0;
+  auto last = Clock::now();
+  while (!is_complete(plan, node)) {
+    stop_here_if_requested();
+    const Index made = rows.help([](Index) {});
+    num_rows += made;
+    progress.update(num_rows);
+    if (made > 0) last = Clock::now();
+    const double idle = seconds_since(last);
+    if (idle >= patience) {
+      report_error("help " + node.label(),
+                   fmt::format("nothing was asked for in {:.0f} s, so this helper ends; the same "
+                               "command, or 'npdr submit', begins another",
+                               patience));
+      break;
+    }
+    if (made == 0) pause(idle);
+  }
+  return num_rows;
 }
 
 }  // namespace npdr::pipeline

@@ -9,6 +9,7 @@
 /// that goes on from its checkpoint finds the likelihoods that were made for it.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -36,7 +37,7 @@ class RefinedRows {
               const Helper& walker);
 
   /// Whether helpers were there: they make the folder in which rows are asked for.
-  bool has_helpers() const;
+  bool has_helpers() const { return std::filesystem::is_directory(folder_); }
 
   /// The refinement's part. What is asked for, simulated together with the helpers, all rows in
   /// one; calls `on_rows` with how many of them are there. None: a stop was requested; what is made
@@ -68,10 +69,7 @@ class RefinedRows {
   const Plan& plan_;
   const Node& node_;
   SimulatedLikelihood& likelihood_;
-  Helper walker_;    // of the rows: the refinement, or a helper
-  Index most_rows_;  // of a shard
-  Index dimension_;
-  Index num_values_;  // of a row's rollouts
+  Helper walker_;  // of the rows: the refinement, or a helper
   std::filesystem::path folder_;
   std::map<std::string, double> own_;  // core-seconds of what the refinement made and hasn't read
   std::set<std::string> failed_;       // those of which all rows failed here

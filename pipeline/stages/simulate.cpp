@@ -10,12 +10,11 @@
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/features/failures.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/plan/shards.h"
+#include "pipeline/plan/completeness.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/sources/first_rows.h"
 #include "pipeline/sources/repeated_outlier.h"
-#include "pipeline/stages/checkpoints.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -48,23 +47,6 @@ Simulation make_simulation(const Plan& plan, const Node& node) {
           .id = {use.seed, kSimulationStream, static_cast<std::uint64_t>(use.round), 0, 0}};
 }
 
-// A folder of this machine, where shards are written first: many small writes over a network are
-// slow.
-std::filesystem::path scratch_folder() {
-  const char* const folder = std::getenv("NPDR_SCRATCH");
-  return folder == nullptr ? "" : folder;
-}
-
-// The rows of `values` in blocks.
-void observe(RepeatedOutliers& outliers, const h5::Dataset& values) {
-  const Index most = std::max<Index>(1, kNumbersRead / std::max<Index>(1, values.row_size()));
-  for (Index begin = 0; begin < values.num_rows(); begin += most) {
-    RowMatrixF x(std::min(most, values.num_rows() - begin), values.row_size());
-    values.read_rows<float>(begin, x.rows(), {x.data(), static_cast<std::size_t>(x.size())});
-    outliers.observe(x);
-  }
-}
-
 // What is wrong with others' rows of features, too seldom perhaps for the first ones to show it.
 Findings find_in_all(const Simulation& simulation, const std::vector<Shard>& shards) {
   if (simulation.plan.study.source().gives_motion) return {};
@@ -73,25 +55,16 @@ Findings find_in_all(const Simulation& simulation, const std::vector<Shard>& sha
   for (const Shard& shard : shards) {
     const Identity identity = shard_identity(simulation.node.identity, shard.rows);
     const h5::File file = open_artefact(shard.path, kSimulationShardSchema, identity.key());
-    const h5::Dataset x = simulated_values(file);
-    x.require_shape({shard.rows.size(), std::ssize(columns)});
-    observe(outliers, x);
+    const h5::Dataset values = simulated_values(file);
+    values.require_shape({shard.rows.size(), std::ssize(columns)});
+    const Index most = std::max<Index>(1, kNumbersRead / std::max<Index>(1, values.row_size()));
+    for (Index begin = 0; begin < values.num_rows(); begin += most) {
+      RowMatrixF x(std::min(most, values.num_rows() - begin), values.row_size());
+      values.read_rows<float>(begin, x.rows(), {x.data(), static_cast<std::size_t>(x.size())});
+      outliers.observe(x);
+    }
   }
   return outliers.find(columns);
-}
-
-// Tells people at once, and the report for good, what is probably wrong with rows. It has the
-// outliers of all.
-void check_block(h5::File& file, const Simulation& simulation, const GivenRows& given) {
-  const FirstRows rows{simulation.plan.study, simulation.target,
-                       simulation.plan.source->info().state_channels, *simulation.simulator, given};
-  const bool are_all = given.complete.rows() == num_rows(simulation.plan, simulation.node);
-  const Findings found = find_in_first_rows(rows);
-  if (!are_all) report_findings(simulation.node.label(), find_outliers(rows));
-  report_findings(simulation.node.label(), found);
-  std::vector<std::string> words;
-  for (const Finding& finding : found) words.push_back(finding.what);
-  write_warnings(file, words);
 }
 
 // The first rows of an experiment are a block of their own, so that what is found doesn't depend on
@@ -124,19 +97,29 @@ void require_a_good_row(const Simulation& simulation, const GivenRows& rows) {
       simulation.plan.study.source().advice));
 }
 
+// Tells people at once, and the report for good, what is probably wrong with rows. It has the
+// outliers of all.
+void check_block(h5::File& file, const Simulation& simulation, const GivenRows& given) {
+  require_a_good_row(simulation, given);
+  const FirstRows rows{simulation.plan.study, simulation.target,
+                       simulation.plan.source->info().state_channels, *simulation.simulator, given};
+  const bool are_all = given.complete.rows() == num_rows(simulation.plan, simulation.node);
+  const Findings found = find_in_first_rows(rows);
+  if (!are_all) report_findings(simulation.node.label(), find_outliers(rows));
+  report_findings(simulation.node.label(), found);
+  std::vector<std::string> words;
+  for (const Finding& finding : found) words.push_back(finding.what);
+  write_warnings(file, words);
+}
+
 // A shard may be smaller than what is looked at.
 void check_first_rows(h5::File& file, const Simulation& simulation, const GivenRows& given) {
   const Index count = std::min(kCheckedRows, num_rows(simulation.plan, simulation.node));
-  if (given.complete.rows() >= count) {
-    require_a_good_row(simulation, given);
-    return check_block(file, simulation, given);
-  }
+  if (given.complete.rows() >= count) return check_block(file, simulation, given);
   const RowMatrix complete =
       simulation.plan.source->parameters().complete(read_proposal(simulation.proposal, {0, count}));
   const sim::Trajectories result = simulation.simulator->simulate(complete, given.first);
-  const GivenRows rows{complete, result, given.first};
-  require_a_good_row(simulation, rows);
-  check_block(file, simulation, rows);
+  check_block(file, simulation, {complete, result, given.first});
 }
 
 // Rows [begin, begin + count) of the simulation, from row `at` of the shard's file.
@@ -162,8 +145,11 @@ void write_block(h5::File& file, const Simulation& simulation, Index begin, Inde
 void simulate_shard(Simulation& simulation, const Shard& shard, Index done_before,
                     Progress& progress) {
   const Index count = shard.rows.size();
+  // Of this machine, to write in first: many small writes over a network are slow.
+  const char* const scratch = std::getenv("NPDR_SCRATCH");
   ArtefactWriter writer(shard.path, kSimulationShardSchema,
-                        shard_identity(simulation.node.identity, shard.rows), scratch_folder());
+                        shard_identity(simulation.node.identity, shard.rows),
+                        scratch == nullptr ? "" : scratch);
   create_simulation_datasets(writer.file(), simulation.plan.study, simulation.target, count);
   simulation.simulator->log_to(log_of(shard.path));
   for (Index at = 0, rows = 0; at < count; at += rows) {

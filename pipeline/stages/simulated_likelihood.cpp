@@ -37,15 +37,10 @@ Index different_channel(const sim::Trajectories& rows, Index i, Index j) {
   return -1;
 }
 
-const RefineConfig& config_of(const Plan& plan, const Node& node) {
-  return plan.study.method(node.uses.front().method).refine;
-}
-
-sim::NoiseLikelihood likelihood_of(const Plan& plan, const Node& node,
-                                   const Observation& observation) {
+sim::NoiseLikelihood likelihood_of(const RefineConfig& config, const Observation& observation) {
   const sim::NoiseModel& model = observation.noise();
   std::optional<sim::FirstStates> first_states;
-  if (config_of(plan, node).infer_first_states) first_states = sim::recorded_first_states(model);
+  if (config.infer_first_states) first_states = sim::recorded_first_states(model);
   return {model, observation.states(), std::move(first_states)};
 }
 
@@ -55,12 +50,12 @@ SimulatedLikelihood::SimulatedLikelihood(const Plan& plan, const Node& node,
                                          const std::filesystem::path& log)
     : plan_(plan),
       log_(log),
-      most_rows_(config_of(plan, node).sampling.level_size),
+      config_(plan.study.method(node.uses.front().method).refine),
       observation_(plan.study, read_seen_target(plan, node)),
-      noise_(likelihood_of(plan, node, observation_)),
+      noise_(likelihood_of(config_, observation_)),
       id_{node.uses.front().seed, "refine_simulation", node.uses.front().stream_round(), 0, 0} {
   noise_.require_density();
-  simulator_ = open(noise_, most_rows_, log_);
+  simulator_ = open(noise_, config_.sampling.level_size, log_);
 }
 
 std::unique_ptr<RowSimulator> SimulatedLikelihood::open(const sim::NoiseLikelihood& noise,
@@ -86,7 +81,7 @@ void SimulatedLikelihood::begin_without(const RowMatrix& first_errors) {
   }
   if (first_errors == now) return;
   noise_.begin_without(first_errors);
-  simulator_ = open(noise_, most_rows_, log_);
+  simulator_ = open(noise_, config_.sampling.level_size, log_);
 }
 
 // Steps of Gauss and Newton for given parameters: each is to the likeliest by first order, or a

@@ -77,7 +77,7 @@ class SimulatedLikelihood {
 
   const Plan& plan_;
   std::filesystem::path log_;
-  Index most_rows_;  // at once
+  const RefineConfig& config_;
   Observation observation_;
   sim::NoiseLikelihood noise_;
   std::unique_ptr<RowSimulator> simulator_;

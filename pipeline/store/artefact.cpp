@@ -8,9 +8,8 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
-#include "pipeline/process/batch_job.h"
 #include "pipeline/process/build_info.h"
-#include "pipeline/process/utc_time.h"
+#include "pipeline/process/progress.h"
 #include "pipeline/store/content_key.h"
 #include "pipeline/store/hostile_json.h"
 #include "pipeline/store/seal.h"

@@ -12,7 +12,6 @@
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/plan/shards.h"
 #include "pipeline/process/child_process.h"
 #include "pipeline/run/run_stage.h"
 
@@ -132,7 +131,7 @@ std::string description_of(const std::string& program) {
   return "Makes what a study lacks of the stage " + join(stages, " or ") + ".";
 }
 
-// Whether a stage's executable has that name (plan/stage.h).
+// Whether a stage's executable has that name (plan/plan.h).
 bool is_stage_program(const std::string& program) {
   return std::ranges::any_of(enum_table(Stage{}),
                              [&](const StageTraits& stage) { return stage.program == program; });

@@ -3,8 +3,8 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/cluster/job_script.h"
-#include "pipeline/cluster/task_log.h"
+#include "pipeline/cluster/batch_task.h"
+#include "pipeline/cluster/submit.h"
 #include "pipeline/config/field_constraints.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/study_text.h"

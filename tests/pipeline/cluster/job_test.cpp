@@ -4,10 +4,10 @@
 #include <fstream>
 
 #include "core/text.h"
-#include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/job_tag.h"
+#include "pipeline/cluster/submit.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/plan/shards.h"
+#include "pipeline/plan/completeness.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <functional>
 
-#include "pipeline/findings/dataset_probes.h"
+#include "pipeline/findings/probe.h"
 #include "pipeline/sources/marginal_fit.h"
 #include "tests/message_of.h"
 

@@ -5,8 +5,8 @@
 
 #include "core/error.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/plan/key_parts.h"
-#include "pipeline/plan/shards.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/plan/plan_builder.h"
 #include "tests/pipeline/plan/plan_parts.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/study_text.h"

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "pipeline/predictions/left_out.h"
+#include "pipeline/predictions/prediction.h"
 #include "pipeline/predictions/scores.h"
-#include "pipeline/predictions/search_box.h"
 
 namespace npdr::pipeline {
 namespace {

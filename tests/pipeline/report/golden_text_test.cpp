@@ -15,7 +15,6 @@
 #include "pipeline/config/field_constraints.h"
 #include "pipeline/config/study.h"
 #include "pipeline/process/fitted_text.h"
-#include "pipeline/process/live_lines.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/run/run_progress.h"
 #include "pipeline/store/csv_line.h"

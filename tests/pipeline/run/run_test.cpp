@@ -5,7 +5,6 @@
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/run/artefact_status.h"
-#include "pipeline/run/failure_words.h"
 #include "pipeline/run/run_progress.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/study_text.h"

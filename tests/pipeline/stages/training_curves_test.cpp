@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/predictions/left_out.h"
-#include "pipeline/stages/training_curves.h"
+#include "pipeline/stages/stage_parts.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -8,8 +8,9 @@
 #include "pipeline/features/simulation_distances.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/features/targets.h"
-#include "pipeline/plan/shards.h"
-#include "pipeline/stages/infer_methods.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/stages/stage_parts.h"
+#include "sim/simulator_check.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -49,8 +50,6 @@ Vector euclidean_distances(const Plan& plan, const Node& node, Target target, In
   return distances;
 }
 
-Index count_infinite(const Vector& distances) { return (distances.array() == kInfinity).count(); }
-
 }  // namespace
 
 void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
@@ -75,7 +74,7 @@ void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
                          {use.seed, "abc", use.stream_round(), 0, 0});
 
   RowCounts counts = previous ? previous->rows : RowCounts{};
-  const Index failed = count_infinite(round.distances);
+  const Index failed = (round.distances.array() == kInfinity).count();
   counts.used += round.theta.rows() - failed;
   counts.failed += failed;
   write_particles(file, name_of(method.algorithm.kind),
@@ -87,6 +86,39 @@ void infer_abc(const Plan& plan, const Node& node, h5::File& file) {
                   counts);
   write_population(file, population);
   if (transform) describe(Layout::writer(file), *transform);
+}
+
+void infer_regression(const Plan& plan, const Node& node, h5::File& file) {
+  const Use& use = node.uses.front();
+  const MethodConfig& method = plan.study.method(use.method);
+  const Target target = read_seen_target(plan, node);
+  const auto simulator = sim::make_simulator(plan.study.simulator);
+  const auto form = simulator->regression_form();
+  const Vector known = plan.source->parameters().nominal();
+
+  const sim::RegressionRows rows = form->rows(target, known, method.linear_regression.window);
+  const inference::WeightPosterior weights =
+      inference::maximize_evidence(rows.regressors, rows.response);
+  const Index n = method.linear_regression.num_samples;
+  const RowMatrix w = weights.sample(n, {use.seed, "regression_weights", 0, 0, 0});
+  RowMatrix complete(n, known.size());
+  for (Index i = 0; i < n; ++i) {
+    complete.row(i) = form->recover(w.row(i).transpose(), known).transpose();
+  }
+
+  const inference::Prior prior(plan.study.prior);
+  const RowMatrix theta = plan.source->parameters().pick(complete);
+  inference::ParticleParts parts{.prior = prior,
+                                 .theta = theta,
+                                 .weights = Vector::Constant(n, 1.0 / static_cast<double>(n)),
+                                 .space = inference::ParticleSpace::theta};
+  write_particles(file, name_of(method.algorithm.kind), parts, {});
+  RegressionCounts counts{.samples = n, .weights = weights};
+  for (Index i = 0; i < n; ++i) {
+    if (!sim::is_possible(complete.row(i), simulator->info())) ++counts.non_physical;
+    if (!prior.contains(theta.row(i).transpose())) ++counts.outside_prior;
+  }
+  write_part(file, counts);
 }
 
 }  // namespace npdr::pipeline
