@@ -8,10 +8,9 @@
 #include "core/text.h"
 #include "pipeline/config/check.h"
 #include "pipeline/config/checker.h"
-#include "pipeline/config/field_list.h"
 #include "pipeline/config/field_reader.h"
 #include "pipeline/config/study_fields.h"
-#include "pipeline/config/toml_document.h"
+#include "pipeline/config/study_json.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -157,15 +156,14 @@ class Resolver {
   }
 
   void resolve_without_network(MethodConfig& method, const std::string& path) {
-    const auto family = inference::traits_of(method.algorithm.kind).family;
-    if (family == inference::AlgorithmFamily::network) return;
+    if (family_of(method) == inference::AlgorithmFamily::network) return;
     // Each population is that share of the last one: 0.1 would leave none after a few rounds.
     constexpr double smc_quantile = 0.5;
     if (method.algorithm.kind == inference::Algorithm::abc_smc &&
         !reading_.has(path + ".abc.quantile")) {
       method.abc.quantile = smc_quantile;
     }
-    if (family != inference::AlgorithmFamily::abc) method.algorithm.num_rounds = 1;
+    if (family_of(method) != inference::AlgorithmFamily::abc) method.algorithm.num_rounds = 1;
   }
 
   void resolve_networks(MethodConfig& method, const std::string& path) {
@@ -184,8 +182,7 @@ class Resolver {
   void resolve_embedding(MethodConfig& method, const std::string& path) {
     inference::EmbeddingConfig& embedding = method.embedding;
     if (!reading_.has(path + "downsample")) embedding.downsample = study_.simulator.store_every;
-    const auto family = inference::traits_of(method.algorithm.kind).family;
-    if (study_.source().gives_motion && family == inference::AlgorithmFamily::network) {
+    if (study_.source().gives_motion && family_of(method) == inference::AlgorithmFamily::network) {
       resolve_default_embedding(method, path);
     }
     if (reading_.has(path + "features")) return;
@@ -236,9 +233,7 @@ Study parse_study(std::string_view text, const fs::path& file,
   const nlohmann::json document = read_toml(text, overrides, reading);
   Study study;
   study.cluster = site;
-  FieldReader fields(&document, "", reading);
-  describe(fields, study);
-  fields.reject_unknown_keys();
+  read_fields(study, &document, reading);
   Resolver(study, file, reading).resolve();
   check_study(study, reading);
   reading.throw_if_bad();
@@ -250,9 +245,9 @@ ClusterConfig read_site(const fs::path& file) {
   Reading reading(file.string());
   const nlohmann::json document = read_toml(read_text(file), {}, reading);
   ClusterConfig cluster;
-  FieldReader fields(&document, "", reading);
-  fields.table("cluster", "", [&](auto& table) { describe(table, cluster); });
-  fields.reject_unknown_keys();
+  FieldReader(&document, "", reading).read([&](auto& root) {
+    root.table("cluster", "", [&](auto& table) { describe(table, cluster); });
+  });
   reading.throw_if_bad();
   return cluster;
 }

@@ -5,7 +5,6 @@
 #include "core/text.h"
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/task_log.h"
-#include "pipeline/config/field_constraints.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
