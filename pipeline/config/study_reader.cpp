@@ -64,13 +64,7 @@ class Resolver {
     }
     resolve_external();
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-      MethodConfig& method = study_.methods[i];
-      const std::string path = path_of(i);
-      resolve_algorithm(method, path);
-      resolve_without_network(method, path);
-      resolve_networks(method, path);
-      resolve_embedding(method, path + ".embedding.");
-      resolve_batches(method, path);
+      resolve_method(study_.methods[i], path_of(i));
     }
   }
 
@@ -155,25 +149,28 @@ class Resolver {
     }
   }
 
-  void resolve_without_network(MethodConfig& method, const std::string& path) {
-    if (family_of(method) == inference::AlgorithmFamily::network) return;
+  void resolve_method(MethodConfig& method, const std::string& path) {
+    using enum inference::AlgorithmFamily;
+    resolve_algorithm(method, path);
+    const auto leaves_out = [&](const char* key) { return !reading_.has(path + key); };
+    const inference::AlgorithmTraits& traits = inference::traits_of(method.algorithm.kind);
     // Each population is that share of the last one: 0.1 would leave none after a few rounds.
     constexpr double smc_quantile = 0.5;
-    if (method.algorithm.kind == inference::Algorithm::abc_smc &&
-        !reading_.has(path + ".abc.quantile")) {
+    if (method.algorithm.kind == inference::Algorithm::abc_smc && leaves_out(".abc.quantile")) {
       method.abc.quantile = smc_quantile;
     }
-    if (family_of(method) != inference::AlgorithmFamily::abc) method.algorithm.num_rounds = 1;
-  }
-
-  void resolve_networks(MethodConfig& method, const std::string& path) {
-    const inference::AlgorithmTraits& traits = inference::traits_of(method.algorithm.kind);
-    const std::string estimator = path + ".density_estimator.";
-    if (!traits.estimators.empty() && !reading_.has(estimator + "kind")) {
+    if (traits.family != network && traits.family != abc) method.algorithm.num_rounds = 1;
+    if (!traits.estimators.empty() && leaves_out(".density_estimator.kind")) {
       method.density_estimator.kind = traits.estimators.front();
     }
-    if (!inference::allows_ensembles(traits) && !reading_.has(estimator + "num_networks")) {
+    if (!inference::allows_ensembles(traits) && leaves_out(".density_estimator.num_networks")) {
       method.density_estimator.num_networks = 1;
+    }
+    resolve_embedding(method, path + ".embedding.");
+    if (leaves_out(".training.batch_size")) {  // few simulations make smaller batches
+      const auto rows = static_cast<Index>(static_cast<double>(num_learned_from(method)) *
+                                           (1.0 - method.training.validation_fraction));
+      method.training.batch_size = std::min(method.training.batch_size, std::max<Index>(1, rows));
     }
   }
 
@@ -204,15 +201,6 @@ class Resolver {
       embedding.principal_components =
           std::clamp(for_each * std::ssize(study_.prior), fewest, most);
     }
-  }
-
-  // Few simulations make smaller batches.
-  void resolve_batches(MethodConfig& method, const std::string& path) {
-    if (reading_.has(path + ".training.batch_size")) return;
-    const double rows =
-        static_cast<double>(num_learned_from(method)) * (1.0 - method.training.validation_fraction);
-    const Index most = std::max<Index>(1, static_cast<Index>(rows));
-    method.training.batch_size = std::min(method.training.batch_size, most);
   }
 
   Study& study_;

@@ -92,8 +92,6 @@ TEST(StudyJson, SaysWhenAPriorIsntOne) {
   }
 }
 
-using Json = nlohmann::ordered_json;
-
 TEST(StudyKeys, SayTypeDefaultAndWhatIsAllowed) {
   std::map<std::string, Field> keys;
   for (const Field& key : study_keys()) {
