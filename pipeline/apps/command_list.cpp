@@ -24,89 +24,55 @@
 namespace npdr::pipeline {
 namespace {
 
-// A line about each name that studies choose from.
-
-std::string words_of(inference::Algorithm value) {
-  using enum inference::Algorithm;
-  static const std::map<inference::Algorithm, std::string> words = {
-      {npe_nle,
+// A line about each name that studies choose from, whatever for.
+std::string words_of(std::string_view name) {
+  static const std::map<std::string_view, const char*> words = {
+      {"npe_nle",
        "networks learn the posterior and the likelihood, pooled by what predicts best; the "
        "usual choice; later rounds simulate the prior where the posterior is"},
-      {npe_a, "a mixture learns the posterior; later rounds are divided by their proposal"},
-      {npe_b,
+      {"npe_a", "a mixture learns the posterior; later rounds are divided by their proposal"},
+      {"npe_b",
        "a network learns the posterior; later rounds weight simulations by prior / proposal"},
-      {npe_c, "a network learns the posterior; later rounds simulate draws of the posterior"},
-      {nle, "a network learns the likelihood, which a sampler makes a posterior of"},
-      {nre_a, "a classifier learns likelihood / evidence: pairs that belong together or don't"},
-      {nre_b, "the same, of one pair among several"},
-      {abc_rejection, "simulations of the prior whose distance to the observation is small"},
-      {abc_mcmc, "the same by Markov chains"},
-      {abc_smc, "the same by populations that come nearer from round to round"},
-      {linear_regression,
+      {"npe_c", "a network learns the posterior; later rounds simulate draws of the posterior"},
+      {"nle", "a network learns the likelihood, which a sampler makes a posterior of"},
+      {"nre_a", "a classifier learns likelihood / evidence: pairs that belong together or don't"},
+      {"nre_b", "the same, of one pair among several"},
+      {"abc_rejection", "simulations of the prior whose distance to the observation is small"},
+      {"abc_mcmc", "the same by Markov chains"},
+      {"abc_smc", "the same by populations that come nearer from round to round"},
+      {"linear_regression",
        "the equations of motion as a Bayesian regression on the recording, no simulation"},
-      {refine,
+      {"refine",
        "the posterior under the noise's likelihood, from another method's, with its evidence"},
-      {prior, "infers nothing: domain randomization over the prior"},
-      {nominal, "infers nothing: the nominal parameters"}};
-  return words.at(value);
-}
-
-std::string words_of(inference::EmbeddingKind value) {
-  using enum inference::EmbeddingKind;
-  static const std::map<inference::EmbeddingKind, std::string> words = {
-      {convolution,
+      {"prior", "infers nothing: domain randomization over the prior"},
+      {"nominal", "infers nothing: the nominal parameters"},
+      {"convolution",
        "the states of all kept steps through convolutions that are trained with the network"},
-      {linear, "the states of all kept steps through a layer that is trained with the network"},
-      {all_steps, "the states of all kept steps"},
-      {delta_steps, "their differences from step to step"},
-      {last_step, "the last states alone"},
-      {bayessim, "sums over each series: short, and blind to much of it"},
-      {identity, "the features as the simulator gives them"}};
-  return words.at(value);
+      {"linear", "the states of all kept steps through a layer that is trained with the network"},
+      {"all_steps", "the states of all kept steps"},
+      {"delta_steps", "their differences from step to step"},
+      {"last_step", "the last states alone"},
+      {"bayessim", "sums over each series: short, and blind to much of it"},
+      {"identity", "the features as the simulator gives them"},
+      {"maf", "masked autoregressive flow: any shape with one bulge or a few"},
+      {"mdn", "mixture of Gaussians: quick, for a few modes"},
+      {"nsf", "neural spline flow: sharp and bent shapes, slower"},
+      {"resnet", "residual network, for ratios alone (nre_a, nre_b)"},
+      {"uniform", "[low, high]: every value between is as likely"},
+      {"log_uniform", "[low, high] with low > 0: every order of magnitude is as likely"},
+      {"normal", "[mean, standard deviation], without bounds"},
+      {"log_normal", "[mean of log, standard deviation of log]: positive, without an upper bound"},
+      {"erk4", "Runge-Kutta of order 4 with fixed steps"},
+      {"erk2", "of order 2"},
+      {"erk5", "of order 5"},
+      {"cvode", "steps and orders that adapt to tolerances, for stiff systems"},
+      {"dtw", "distance of trajectories that may be shifted in time (dynamic time warping)"},
+      {"rmse", "root mean square error of the states, over their largest recorded magnitude"},
+      {"final_error", "distance of the last states, where all have one unit"},
+      {"goal", "share of the rollouts that end at the simulator's goal"},
+      {"distance", "of features, in standard deviations over the prior"}};
+  return words.at(name);
 }
-
-std::string words_of(inference::EstimatorKind value) {
-  using enum inference::EstimatorKind;
-  static const std::map<inference::EstimatorKind, std::string> words = {
-      {maf, "masked autoregressive flow: any shape with one bulge or a few"},
-      {mdn, "mixture of Gaussians: quick, for a few modes"},
-      {nsf, "neural spline flow: sharp and bent shapes, slower"},
-      {resnet, "residual network, for ratios alone (nre_a, nre_b)"}};
-  return words.at(value);
-}
-
-std::string words_of(inference::Marginal::Kind value) {
-  using enum inference::Marginal::Kind;
-  static const std::map<inference::Marginal::Kind, std::string> words = {
-      {uniform, "[low, high]: every value between is as likely"},
-      {log_uniform, "[low, high] with low > 0: every order of magnitude is as likely"},
-      {normal, "[mean, standard deviation], without bounds"},
-      {log_normal, "[mean of log, standard deviation of log]: positive, without an upper bound"}};
-  return words.at(value);
-}
-
-std::string words_of(sim::Integrator value) {
-  using enum sim::Integrator;
-  static const std::map<sim::Integrator, std::string> words = {
-      {erk4, "Runge-Kutta of order 4 with fixed steps"},
-      {erk2, "of order 2"},
-      {erk5, "of order 5"},
-      {cvode, "steps and orders that adapt to tolerances, for stiff systems"}};
-  return words.at(value);
-}
-
-std::string words_of(Metric value) {
-  using enum Metric;
-  static const std::map<Metric, std::string> words = {
-      {dtw, "distance of trajectories that may be shifted in time (dynamic time warping)"},
-      {rmse, "root mean square error of the states, over their largest recorded magnitude"},
-      {final_error, "distance of the last states, where all have one unit"},
-      {goal, "share of the rollouts that end at the simulator's goal"},
-      {distance, "of features, in standard deviations over the prior"}};
-  return words.at(value);
-}
-
-std::string words_of(Check check) { return std::string(traits_of(check).question); }
 
 std::string limits_text(const sim::Parameter& p) {
   const bool is_limited = std::isfinite(p.lower) || std::isfinite(p.upper);
@@ -154,16 +120,15 @@ struct ListArguments {
 
 void list_keys(const ListArguments& arguments) {
   if (!arguments.table.empty()) return fmt::print("{}", keys_markdown(arguments.table));
-  std::vector<StudyKey> keys = study_keys();
-  std::erase_if(keys, [&](const StudyKey& key) { return !key.path.starts_with(arguments.of); });
+  Fields keys = study_keys();
+  std::erase_if(keys, [&](const Field& key) { return !key.path.starts_with(arguments.of); });
   if (keys.empty()) {
-    std::vector<std::string> tables;
-    for (const StudyTable& table : study_tables()) tables.push_back(table.path);
-    throw InputError(unknown_name("beginning of a key", arguments.of, tables));
+    throw InputError(unknown_name("beginning of a key", arguments.of, study_tables()));
   }
-  for (const StudyKey& key : keys) {
+  for (const Field& key : keys) {
     fmt::print("{:<44} {}", key.path, key.doc);
-    if (!key.default_value.empty()) fmt::print("; default {}", key.default_value);
+    const std::string value = default_text(key);
+    if (!value.empty()) fmt::print("; default {}", value);
     if (!key.allowed.empty()) fmt::print("; {}", key.allowed);
     fmt::print("\n");
   }
@@ -172,7 +137,13 @@ void list_keys(const ListArguments& arguments) {
 template <NamedEnum E>
 void list_names(const ListArguments&) {
   for (const auto& row : enum_table(E{})) {
-    if (!row.name.empty()) fmt::print("{:<18} {}\n", row.name, words_of(row.value));
+    if (!row.name.empty()) fmt::print("{:<18} {}\n", row.name, words_of(row.name));
+  }
+}
+
+void list_checks(const ListArguments&) {
+  for (const CheckTraits& check : enum_table(Check{})) {
+    fmt::print("{:<18} {}\n", check.name, check.question);
   }
 }
 
@@ -200,7 +171,7 @@ constexpr List kLists[] = {
     {"priors", "kinds of a parameter's prior", &list_names<inference::Marginal::Kind>},
     {"integrators", "of built-in simulators: simulator.integrator", &list_names<sim::Integrator>},
     {"metrics", "what simulations are measured by: evaluate.metrics", &list_names<Metric>},
-    {"checks", "what posteriors are checked by: diagnose.checks", &list_names<Check>},
+    {"checks", "what posteriors are checked by: diagnose.checks", &list_checks},
     {"keys", "every key of a study file; with a beginning, such as method.training, those",
      &list_keys, "BEGINNING", true},
     {"layouts", "what every file of results holds", &list_layouts, nullptr, true},

@@ -15,7 +15,7 @@
 #include "pipeline/config/check.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/study_json.h"
-#include "pipeline/config/study_template.h"
+#include "pipeline/config/study_keys.h"
 #include "pipeline/plan/completeness.h"
 
 namespace npdr::pipeline {

@@ -16,7 +16,6 @@
 #include "pipeline/artefacts/feature_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/field_constraints.h"
 #include "pipeline/config/simulator_info.h"
 #include "pipeline/sources/marginal_fit.h"
 

@@ -6,15 +6,9 @@ namespace npdr::pipeline {
 
 using inference::AlgorithmFamily;
 
-namespace {
-
-std::string why_never_asked_again(const Study& study) {
+std::string needs_simulator(const Study& study, const MethodConfig& /*method*/) {
   return study.source().simulates ? "" : "a dataset can't be asked for other simulations";
 }
-
-}  // namespace
-
-std::string always_checked(const Study& /*study*/, const MethodConfig& /*method*/) { return ""; }
 
 std::string needs_network(const Study& /*study*/, const MethodConfig& method) {
   return family_of(method) == AlgorithmFamily::network
@@ -22,27 +16,20 @@ std::string needs_network(const Study& /*study*/, const MethodConfig& method) {
              : "there is no network that could be asked about other observations";
 }
 
-std::string needs_calibration(const Study& study, const MethodConfig& method) {
-  const std::string why = why_never_asked_again(study);
-  return why.empty() ? needs_network(study, method) : why;
-}
-
 std::string needs_simulations(const Study& /*study*/, const MethodConfig& method) {
   return learns(method) ? "" : "there are no simulations that it has learned from";
 }
 
-std::string needs_dataset(const Study& study, const MethodConfig& method) {
-  const std::string why = needs_simulations(study, method);
-  return why.empty() && study.source().simulates ? "there is no dataset" : why;
+std::string needs_dataset(const Study& study, const MethodConfig& /*method*/) {
+  return study.source().simulates ? "there is no dataset" : "";
 }
 
-std::string needs_predictions(const Study& study, const MethodConfig& method) {
-  const std::string why = why_never_asked_again(study);
+std::string needs_predictions(const Study& /*study*/, const MethodConfig& method) {
   const bool begins_elsewhere =
       family_of(method) == AlgorithmFamily::likelihood && method.refine.infer_first_states;
-  return why.empty() && begins_elsewhere ? "its predictions begin in recorded first states, whose "
-                                           "noise only 'residuals' takes away"
-                                         : why;
+  return begins_elsewhere ? "its predictions begin in recorded first states, whose noise only "
+                            "'residuals' takes away"
+                          : "";
 }
 
 std::string needs_sampler(const Study& /*study*/, const MethodConfig& method) {
@@ -65,7 +52,6 @@ std::string needs_likelihood(const Study& /*study*/, const MethodConfig& method)
 }
 
 std::string needs_rmse(const Study& study, const MethodConfig& /*method*/) {
-  if (!study.source().simulates) return why_never_asked_again(study);
   if (!study.source().gives_motion) return "features have no RMSE";
   if (std::ranges::count(study.evaluate.metrics, Metric::rmse) == 0) {
     return "evaluate.metrics lacks rmse";
@@ -74,7 +60,6 @@ std::string needs_rmse(const Study& study, const MethodConfig& /*method*/) {
 }
 
 std::string needs_held_out(const Study& study, const MethodConfig& /*method*/) {
-  if (!study.source().simulates) return why_never_asked_again(study);
   return study.target.held_out == 0 ? "no rollouts are held out" : "";
 }
 

@@ -43,12 +43,12 @@ enum class CheckInput {
 /// Why a check means nothing to a method that infers, for people; "": it does mean something.
 using WhyUnchecked = std::string(const Study& study, const MethodConfig& method);
 
-WhyUnchecked always_checked, needs_calibration, needs_network, needs_simulations, needs_dataset,
-    needs_predictions, needs_sampler, needs_likelihood, needs_rmse, needs_held_out;
+WhyUnchecked needs_simulator, needs_network, needs_simulations, needs_dataset, needs_predictions,
+    needs_sampler, needs_likelihood, needs_rmse, needs_held_out;
 
 /// What checks of a kind share.
 struct CheckKind {
-  WhyUnchecked* why_unchecked = always_checked;
+  std::array<WhyUnchecked*, 2> needs = {};  ///< nullptr: nothing else
   CheckInput input = CheckInput::samples;
   bool has_p_value = false;
   bool is_of_some_methods = false;  ///< nothing is missing where it means nothing to a method
@@ -64,7 +64,7 @@ constexpr auto enum_table(Check) {
   using enum Check;
   using enum CheckInput;
   constexpr CheckKind calibrates{
-      .why_unchecked = needs_calibration, .input = calibration, .has_p_value = true};
+      .needs = {needs_simulator, needs_network}, .input = calibration, .has_p_value = true};
   return std::to_array<CheckTraits>({
       {{sbc, "sbc"},
        calibrates,
@@ -83,27 +83,27 @@ constexpr auto enum_table(Check) {
        "Local C2ST at x_o, round 1",
        "can a classifier tell the posterior at the observation from the true one?"},
       {{predictive, "predictive"},
-       {.why_unchecked = needs_predictions, .input = posterior, .has_p_value = true},
+       {.needs = {needs_simulator, needs_predictions}, .input = posterior, .has_p_value = true},
        "Posterior predictive",
        "do posterior samples predict what was observed?"},
       {{ood, "ood"},
-       {.why_unchecked = needs_simulations, .input = posterior, .has_p_value = true},
+       {.needs = {needs_simulations}, .input = posterior, .has_p_value = true},
        "x_o among simulations",
        "does the observation lie among the simulations?"},
       {{failures, "failures"},
-       {.why_unchecked = needs_simulations, .input = posterior, .has_p_value = true},
+       {.needs = {needs_simulations}, .input = posterior, .has_p_value = true},
        "Failures and parameters",
        "does it depend on the parameters which simulations fail?"},
       {{training, "training"},
-       {.why_unchecked = needs_network, .input = posterior},
+       {.needs = {needs_network}, .input = posterior},
        "Training",
        "has training ended, and not far below the validation loss?"},
       {{sampling, "sampling"},
-       {.why_unchecked = needs_sampler, .is_of_some_methods = true},
+       {.needs = {needs_sampler}, .is_of_some_methods = true},
        "Sampling",
        "do its chains agree, or enough of its weighted draws count?"},
       {{residuals, "residuals"},
-       {.why_unchecked = needs_likelihood, .is_of_some_methods = true},
+       {.needs = {needs_likelihood}, .is_of_some_methods = true},
        "Residuals",
        "does a refinement leave of the recording what its noise model says?"},
       {{bounds, "bounds"},
@@ -115,16 +115,16 @@ constexpr auto enum_table(Check) {
        "Contraction",
        "is the posterior narrower than the prior?"},
       {{fit, "fit"},
-       {.why_unchecked = needs_rmse},
+       {.needs = {needs_simulator, needs_rmse}},
        "RMSE",
        "is the samples' RMSE near the smallest that can be reached, and of hardly any as large as "
        "the prior's?"},
       {{held_out, "held_out"},
-       {.why_unchecked = needs_held_out},
+       {.needs = {needs_simulator, needs_held_out}},
        "Held-out rollouts",
        "do bands of predictions hold rollouts that inference hasn't seen?"},
       {{dataset, "dataset"},
-       {.why_unchecked = needs_dataset},
+       {.needs = {needs_simulations, needs_dataset}},
        "Dataset",
        "is the dataset's theta of the prior, and no row there twice?"},
   });

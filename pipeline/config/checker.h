@@ -12,9 +12,7 @@
 
 #include "core/enum_names.h"
 #include "core/text.h"
-#include "pipeline/config/field_list.h"
-#include "pipeline/config/reading.h"
-#include "pipeline/config/study.h"
+#include "pipeline/config/study_json.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {
@@ -85,15 +83,11 @@ class Checker {
   Reading& reading_;
 
  private:
-  static std::string found_words(const std::string& text) { return quoted(text); }
-  static std::string found_words(bool flag) { return flag ? "true" : "false"; }
   template <class T>
   static std::string found_words(const T& value) {
-    if constexpr (NamedEnum<T>) {
-      return quoted(name_of(value));
-    } else {
-      return fmt::format("{}", value);
-    }
+    if constexpr (NamedEnum<T>) return quoted(name_of(value));
+    if constexpr (std::same_as<T, std::string>) return quoted(value);
+    if constexpr (!NamedEnum<T> && !std::same_as<T, std::string>) return fmt::format("{}", value);
   }
 };
 

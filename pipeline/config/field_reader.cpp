@@ -31,18 +31,10 @@ std::string inline_text(const FieldTree& json) {
   return json.is_object() ? "{ " + join(parts) + " }" : "[" + join(parts) + "]";
 }
 
-std::string found_text(const FieldTree& json, const Reading& reading) {
-  return shortened(reading.is_of_json() ? json.dump() : inline_text(json));
-}
-
-void fail_type(const FieldSlot& slot, const std::string& words) {
-  slot.reading.reject(slot.path, found_text(slot.json, slot.reading), words);
-}
-
 // The slot of a table's member, with its place noted down.
 FieldSlot member_slot(const FieldSlot& slot, const std::string& key, const FieldTree& json) {
   const std::string path = slot.path + "." + key;
-  slot.reading.found(path, slot.reading.source(path).value);
+  slot.reading.found(path);
   return {json, path, slot.reading};
 }
 
@@ -50,8 +42,8 @@ FieldSlot member_slot(const FieldSlot& slot, const std::string& key, const Field
 std::vector<std::string> in_file_order(const FieldSlot& slot) {
   std::vector<std::pair<std::tuple<bool, int, int>, std::string>> keys;
   for (const auto& [key, json] : slot.json.items()) {
-    const KeySource source = slot.reading.source(slot.path + "." + key);
-    keys.push_back({{source.key.is_override(), source.line, source.column}, key});
+    const Place place = slot.reading.source(slot.path + "." + key).key;
+    keys.push_back({{place.is_override(), place.line, place.column}, key});
   }
   std::ranges::sort(keys);
   std::vector<std::string> ordered;
@@ -77,7 +69,7 @@ void read_marginals(const FieldSlot& slot, const std::string& prefix, std::set<s
     Marginal marginal;
     marginal.name = name;
     const bool is_one = member.json.is_object() && member.json.size() == 1;
-    if (!is_one || !read_distribution(member, marginal)) fail_type(member, marginal_words());
+    if (!is_one || !read_distribution(member, marginal)) reject(member, marginal_words());
     if (!names.insert(name).second) {
       member.reading.fail(member.path, fmt::format("prior: {} is there twice", quoted(name)));
     }
@@ -92,7 +84,7 @@ void read_numbers(const FieldSlot& slot, const std::string& prefix,
     if (json.is_object() && !json.empty() && !slot.reading.is_of_json()) {
       read_numbers(member, prefix + key + ".", value);
     } else if (double& number = value[prefix + key]; !read_value(member, number)) {
-      fail_type(member, type_name<double>());
+      reject(member, type_name<double>());
     }
   }
 }
@@ -119,6 +111,12 @@ bool read_as(const FieldTree& json, bool is_of_type, T& value) {
 }
 
 }  // namespace
+
+void reject(const FieldSlot& slot, const std::string& words,
+            const std::vector<std::string>& names) {
+  const std::string found = slot.reading.is_of_json() ? slot.json.dump() : inline_text(slot.json);
+  slot.reading.reject(slot.path, shortened(found), words, names);
+}
 
 bool read_distribution(const FieldSlot& slot, Marginal& marginal) {
   for (const auto& [key, numbers] : slot.json.items()) {
@@ -169,7 +167,7 @@ bool read_value(const FieldSlot& slot, std::map<std::string, std::string>& value
   if (!slot.json.is_object()) return false;
   for (const auto& [key, json] : slot.json.items()) {
     const FieldSlot member = member_slot(slot, key, json);
-    if (!read_value(member, value[key])) fail_type(member, "a text");
+    if (!read_value(member, value[key])) reject(member, "a text");
   }
   return true;
 }
@@ -184,12 +182,10 @@ bool read_value(const FieldSlot& slot, std::map<std::string, PublishedFigure>& v
   for (const auto& [key, json] : slot.json.items()) {
     const FieldSlot member = member_slot(slot, key, json);
     if (!json.is_object()) {
-      fail_type(member, "a table, { mean = 0.263, std = 0.004 }");
+      reject(member, "a table, { mean = 0.263, std = 0.004 }");
       continue;
     }
-    FieldReader fields(&json, member.path, slot.reading);
-    describe(fields, value[key]);
-    fields.reject_unknown_keys();
+    FieldReader(&json, member.path, slot.reading).read([&](auto& t) { describe(t, value[key]); });
   }
   return true;
 }
@@ -201,54 +197,39 @@ bool read_value(const FieldSlot& slot, std::vector<Marginal>& value) {
   return true;
 }
 
-const FieldTree* FieldReader::look_up(const std::string& key) {
-  known_.push_back(key);
-  const auto found = table_ == nullptr ? FieldTree::const_iterator() : table_->find(key);
-  if (table_ == nullptr || found == table_->end()) return nullptr;
-  reading_.found(below(key), reading_.source(below(key)).value);
-  return &*found;
+std::pair<std::string, const FieldTree*> FieldReader::look_up(const std::string& key) {
+  const std::string path = below(key);
+  if (table_ == nullptr || !table_->contains(key)) return {path, nullptr};
+  reading_.found(path);
+  return {path, &table_->at(key)};
 }
 
-void FieldReader::fail(const std::string& path, const FieldTree& found, const std::string& words,
-                       const std::vector<std::string>& names) {
-  reading_.reject(path, found_text(found, reading_), words, names);
-}
-
-std::vector<std::pair<std::string, const FieldTree*>> FieldReader::elements(const std::string& key,
-                                                                            int minimum) {
-  const FieldTree* json = look_up(key);
-  if (json == nullptr && minimum == 0) return {};
-  const std::string list = below(key);
+std::size_t FieldReader::count_tables(const std::string& path, const FieldTree* json, int minimum) {
+  if (json == nullptr && minimum == 0) return 0;
   const bool may_be_empty = reading_.is_of_json();  // TOML has no empty list of tables
   if (json == nullptr || !json->is_array() || (json->empty() && !may_be_empty) ||
       !std::ranges::all_of(*json, &FieldTree::is_object)) {
-    const std::string tables = "[[" + display(list) + "]] table";
-    reading_.fail(list,
+    const std::string tables = "[[" + display(path) + "]] table";
+    reading_.fail(path,
                   minimum > 0 ? "needs at least one " + tables : "must be made of " + tables + "s");
-    return {};
+    return 0;
   }
   constexpr std::size_t most = 1000;
-  if (json->size() > most) {
-    reading_.fail(list, fmt::format("{} is there {} times, must be at most {}", display(list),
-                                    json->size(), most));
-    return {};
-  }
-  std::vector<std::pair<std::string, const FieldTree*>> elements;
-  for (const FieldTree& element : *json) {
-    const std::string path = fmt::format("{}[{}]", list, elements.size());
-    reading_.found(path, reading_.source(path).value);
-    elements.emplace_back(path, &element);
-  }
-  return elements;
+  if (json->size() <= most) return json->size();
+  reading_.fail(path, fmt::format("{} is there {} times, must be at most {}", display(path),
+                                  json->size(), most));
+  return 0;
 }
 
 void FieldReader::reject_unknown_keys() {
   if (table_ == nullptr) return;
+  std::vector<std::string> known;
+  for (const Field& field : fields_) known.push_back(field.key);
   for (const auto& [key, json] : table_->items()) {
-    if (std::ranges::find(known_, key) != known_.end()) continue;
+    if (std::ranges::find(known, key) != known.end()) continue;
     const std::string where = path_.empty() ? "" : display(path_) + ": ";
     reading_.fail(below(key), reading_.source(below(key)).key,
-                  where + unknown_name("key", shortened(key), known_));
+                  where + unknown_name("key", shortened(key), known));
   }
 }
 

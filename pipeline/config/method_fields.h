@@ -2,11 +2,8 @@
 /// of study_fields.h, which says what a description is.
 #pragma once
 
-#include "pipeline/config/choice_field.h"
-#include "pipeline/config/field_constraints.h"
-#include "pipeline/config/field_types.h"
-#include "pipeline/config/field_use.h"
-#include "pipeline/config/study.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/study_json.h"
 
 namespace npdr::pipeline {
 

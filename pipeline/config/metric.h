@@ -1,7 +1,6 @@
 /// Metrics that simulations are measured by, against the target.
 #pragma once
 
-#include <span>
 #include <string>
 
 #include "core/enum_names.h"
@@ -17,14 +16,16 @@ enum class Metric {
   goal,         ///< for a simulator that has one
   distance,     ///< of features, where the simulator gives no rollouts
 };
+constexpr auto enum_table(Metric) {
+  using enum Metric;
+  return std::to_array<EnumRow<Metric>>({{dtw, "dtw"},
+                                         {rmse, "rmse"},
+                                         {final_error, "final_error"},
+                                         {goal, "goal"},
+                                         {distance, "distance"}});
+}
 
-struct MetricTraits : EnumRow<Metric> {
-  /// Makes a name for people, with its unit.
-  std::string (*title)(const sim::SimulatorInfo& info);
-};
-
-/// Every metric, in the documented order.
-std::span<const MetricTraits> enum_table(Metric);
-const MetricTraits& traits_of(Metric metric);
+/// Name for people, with its unit.
+std::string title_of(Metric metric, const sim::SimulatorInfo& info);
 
 }  // namespace npdr::pipeline

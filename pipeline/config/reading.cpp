@@ -2,18 +2,44 @@
 
 #include <algorithm>
 #include <string_view>
-#include <tuple>
+#include <utility>
 
 #include "core/error.h"
 #include "core/text.h"
 
 namespace npdr::pipeline {
 
+std::string Place::str() const {
+  if (line == 0 || is_override()) return origin;
+  return origin + ":" + std::to_string(line) + ":" + std::to_string(column);
+}
+
+bool Place::is_override() const { return origin.starts_with(kOverride); }
+
+Place Places::of(const std::string& path) const {
+  const auto exact = places_.find(path);
+  const bool is_known =
+      exact != places_.end() && (exact->second.line > 0 || exact->second.origin != origin_);
+  const auto below = places_.lower_bound(path + ".");
+  if (!is_known && below != places_.end() && below->first.starts_with(path + ".")) {
+    return below->second;
+  }
+  std::string ancestor = path;
+  while (!ancestor.empty()) {
+    const auto found = places_.find(ancestor);
+    if (found != places_.end()) return found->second;
+    const std::size_t end = ancestor.find_last_of(".[");
+    ancestor.resize(end == std::string::npos ? 0 : end);
+  }
+  return {origin_};
+}
+
 void Reading::throw_if_bad() const {
   if (problems_.empty()) return;
   std::vector<Problem> sorted = problems_;
-  std::stable_sort(sorted.begin(), sorted.end(), [](const Problem& a, const Problem& b) {
-    return std::tie(a.place.line, a.place.column) < std::tie(b.place.line, b.place.column);
+  std::ranges::stable_sort(sorted, {}, [](const Problem& problem) {
+    const auto& [origin, line, column] = problem.place;
+    return problem.place.is_override() ? std::pair(0, 0) : std::pair(line, column);
   });
   constexpr std::size_t most = 50;  // who has more has misunderstood something
   std::set<std::string> told;

@@ -1,4 +1,4 @@
-/// What is known of a study while it is read: where its keys stand, and what is wrong with them.
+/// Where the values of a study stand, for messages, and what is wrong with them.
 #pragma once
 
 #include <map>
@@ -7,34 +7,74 @@
 #include <vector>
 
 #include "core/text.h"
-#include "pipeline/config/places.h"
 
 namespace npdr::pipeline {
+
+/// A file's line and column (counted from 1), or a command-line override.
+struct Place {
+  std::string origin;  ///< file name, or "--set key=value"
+  int line = 0;        ///< 0: the origin as a whole; of overrides among each other
+  int column = 0;
+
+  /// "study.toml:14:9".
+  std::string str() const;
+  /// Whether it is one of the command line.
+  bool is_override() const;
+};
+
+/// Begins the origin of overrides.
+inline constexpr const char* kOverride = "--set ";
+
+/// The places of a study's keys. Keys are dotted paths with the position in a list, such as
+/// "method[0].training.batch_size".
+class Places {
+ public:
+  /// `origin`: what the study was read from.
+  explicit Places(std::string origin = "study") : origin_(std::move(origin)) {}
+
+  void add(const std::string& path, const Place& place) { places_[path] = place; }
+  bool has(const std::string& path) const { return places_.contains(path); }
+
+  /// Where `path` stands; for a table that only overrides mention, where the first of its keys
+  /// stands; for a key that was left out, where its table stands.
+  Place of(const std::string& path) const;
+
+  const std::string& origin() const { return origin_; }
+
+ private:
+  std::string origin_;
+  std::map<std::string, Place> places_;
+};
 
 /// "method[0].training" as people write it: "method.training".
 std::string display(const std::string& path);
 
-/// Problems are collected, so that one run reports everything.
+/// A key of a text, and its value.
+struct KeySource {
+  Place key, value;
+};
+
+/// What is known of a study while it is read. Problems are collected, so that one run reports
+/// everything.
 class Reading {
  public:
-  explicit Reading(std::string origin) : places_(std::move(origin)) {}
-  /// A part of a study in an artefact, whose values messages write as JSON.
-  static Reading of_json(std::string origin) {
-    Reading reading(std::move(origin));
-    reading.is_of_json_ = true;
-    return reading;
-  }
+  /// Of JSON, a part of a study in an artefact, messages write values as such.
+  enum class Syntax { toml, json };
+
+  explicit Reading(std::string origin, Syntax syntax = Syntax::toml)
+      : places_(std::move(origin)), syntax_(syntax) {}
   /// A study that has been read before.
   explicit Reading(Places places) : places_(std::move(places)) {}
 
-  bool is_of_json() const { return is_of_json_; }
+  bool is_of_json() const { return syntax_ == Syntax::json; }
 
   /// Notes down where the text of `path` stands, known or not.
   void add_source(const std::string& path, KeySource source) { sources_[path] = std::move(source); }
   /// The origin as a whole where nobody has noted it down.
   KeySource source(const std::string& path) const;
 
-  void found(const std::string& path, const Place& place) { places_.add(path, place); }
+  /// Notes down that `path` is known, and there.
+  void found(const std::string& path) { places_.add(path, source(path).value); }
   bool has(const std::string& path) const { return places_.has(path); }
   Place place(const std::string& path) const { return places_.of(path); }
 
@@ -69,7 +109,7 @@ class Reading {
   std::vector<Problem> problems_;
   std::set<std::string> failed_;
   std::map<std::string, KeySource> sources_;
-  bool is_of_json_ = false;
+  Syntax syntax_ = Syntax::toml;
 };
 
 }  // namespace npdr::pipeline

@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/config/choice_field.h"
+#include "pipeline/config/constraint.h"
 #include "pipeline/config/external_config.h"
-#include "pipeline/config/field_types.h"
-#include "pipeline/config/field_use.h"
+#include "pipeline/config/study_json.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {

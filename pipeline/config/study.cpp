@@ -53,7 +53,11 @@ const MethodConfig& Study::method(const std::string& method_name) const {
 }
 
 std::string Study::why_unchecked(Check check, const MethodConfig& method) const {
-  return traits_of(check).why_unchecked(*this, method);
+  for (WhyUnchecked* const needs : traits_of(check).needs) {
+    const std::string why = needs == nullptr ? "" : needs(*this, method);
+    if (!why.empty()) return why;
+  }
+  return "";
 }
 
 DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {

@@ -19,11 +19,10 @@
 #include "inference/samplers/importance_config.h"
 #include "inference/training_config.h"
 #include "pipeline/config/cluster_config.h"
-#include "pipeline/config/enum_lists.h"
 #include "pipeline/config/external_config.h"
 #include "pipeline/config/metric.h"
-#include "pipeline/config/places.h"
 #include "pipeline/config/policy_config.h"
+#include "pipeline/config/reading.h"
 #include "pipeline/config/source_traits.h"
 #include "sim/simulator.h"
 

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/check.h"
-#include "pipeline/config/field_constraints.h"
+#include "pipeline/config/constraint.h"
 #include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
 #include "pipeline/store/column_labels.h"

@@ -1,8 +1,8 @@
 /// One description of every field of a study: key, place in memory, what it may hold, one line of
-/// documentation. One visitor reads it from files (field_reader.h), another lists it with its
-/// values (field_list.h) for all that writes, so that none of them can forget a field.
+/// documentation. One visitor reads it from files (field_reader.h) and lists it with its values
+/// (study_json.h) for all that writes, so that neither can forget a field.
 ///
-/// A visitor has three members, whose last argument may be left out (field_use.h):
+/// A visitor has three members, whose last argument may be left out (study_json.h):
 ///   f(key, value, constraint, doc, use)  a field; a default that isn't allowed makes it required
 ///   f.table(key, doc, body, use)         a table: body(visitor of its members)
 ///   f.list(key, values, minimum, doc, body, use)
@@ -14,13 +14,10 @@
 #include "analysis/pair_plot.h"
 #include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/check.h"
-#include "pipeline/config/choice_field.h"
-#include "pipeline/config/field_constraints.h"
-#include "pipeline/config/field_types.h"
-#include "pipeline/config/field_use.h"
+#include "pipeline/config/constraint.h"
 #include "pipeline/config/method_fields.h"
 #include "pipeline/config/simulator_fields.h"
-#include "pipeline/config/study.h"
+#include "pipeline/config/study_json.h"
 
 namespace npdr::pipeline {
 template <class Fields>
@@ -71,7 +68,7 @@ void describe(Fields& f, ObservationNoise& c) {
   f("correlation_prior", c.correlation_prior, noise_prior(0.0, "correlation", 1.0),
     "[median, deviation of log(c / (1 - c))], in place of correlation",
     c.is_silent() ? of_noise : without("correlation", c.correlation.has_value()));
-  f("degrees_of_freedom", c.degrees_of_freedom, degrees_constraint(),
+  f("degrees_of_freedom", c.degrees_of_freedom, above(1.0),
     "of Student's t, in place of Gaussian noise", of_noise);
   f("degrees_of_freedom_prior", c.degrees_of_freedom_prior, noise_prior(1.0, "degrees of freedom"),
     "[median, deviation of log(nu - 1)], in place of degrees_of_freedom",
@@ -85,7 +82,7 @@ template <class Fields>
 void describe(Fields& f, EvaluateConfig& c) {
   f("num_samples", c.num_samples, count_from(1),
     "posterior samples that are simulated and measured");
-  choices(f, "metrics", c.metrics, metrics_constraint(), "what simulated rollouts are measured by");
+  choices(f, "metrics", c.metrics, 1, "what simulated rollouts are measured by");
   choice(f, "rounds", c.rounds, "which rounds' posteriors are evaluated");
   f("floor", c.floor, anything<bool>(),
     "of a recording: also search for the smallest RMSE in the prior");
@@ -96,7 +93,7 @@ void describe(Fields& f, EvaluateConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, DiagnoseConfig& c) {
-  choices(f, "checks", c.checks, checks_constraint(),
+  choices(f, "checks", c.checks, 0,
           "what posteriors are checked by; all of them when left out, [] for none; without the "
           "table, those that cost little");
   f("num_simulations", c.num_simulations, between(inference::kFewestSimulations, 1'000'000),

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/field_reader.h"
 #include "pipeline/config/study_fields.h"
@@ -10,6 +9,61 @@
 namespace npdr::pipeline {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
+
+void add_unused(const Fields& fields, const std::string& prefix, std::vector<UnusedField>& found) {
+  for (const Field& field : fields) {
+    if (!field.use.unused.empty()) {
+      found.push_back({prefix + field.path, field.use});
+      continue;
+    }
+    for (const Fields& members : field.members) add_unused(members, prefix, found);
+  }
+}
+
+bool read_marginal(const nlohmann::json& json, Reading& reading, inference::Marginal& marginal) {
+  return json.is_object() && json.size() == 3 && json.contains("name") && json.contains("unit") &&
+         read_value({json["name"], "name", reading}, marginal.name) &&
+         read_value({json["unit"], "unit", reading}, marginal.unit) &&
+         read_distribution({json, "", reading}, marginal);
+}
+
+}  // namespace
+
+// Ordered objects look for each new member among all before it; sorted ones, as this is, don't.
+Json json_value(const FreeTable& table) { return nlohmann::json::parse(table.json); }
+
+Json json_value(const std::map<std::string, PublishedFigure>& figures) {
+  Json json = Json::object();
+  for (const auto& [name, figure] : figures) json[name] = to_json(figure);
+  return json;
+}
+
+Json json_value(const std::vector<inference::Marginal>& prior) { return to_json(prior); }
+
+template <class Config, class... Context>
+Fields read_fields(Config& config, const FieldTree* table, Reading& reading,
+                   const Context&... context) {
+  return FieldReader(table, "", reading).read([&](auto& fields) {
+    describe(fields, config, context...);
+  });
+}
+
+std::vector<UnusedField> unused_fields(const Fields& fields, const std::string& path) {
+  std::vector<UnusedField> found;
+  add_unused(fields, path.empty() ? "" : path + ".", found);
+  return found;
+}
+
+bool reads_setting(inference::Algorithm algorithm, const std::string& key) {
+  MethodConfig method;
+  method.algorithm.kind = algorithm;
+  PolicyConfig any;
+  any.search.kind = inference::PolicyOptimizerKind::power;
+  const std::vector<UnusedField> unused = unused_fields(fields_of(method, any), "");
+  return std::ranges::count(unused, key, &UnusedField::path) == 0;
+}
 
 Json json_of(const Fields& fields, const std::function<bool(const FieldUse&)>& is_kept) {
   Json json = Json::object();
@@ -43,32 +97,8 @@ Json to_json(const std::vector<inference::Marginal>& prior) {
   return json;
 }
 
-template <class Config>
-Config from_json(const Json& json, const std::string& where) {
-  if (!json.is_object()) throw InputError(where + ": must be a JSON object");
-  Config config;
-  const nlohmann::json document = json;
-  Reading reading = Reading::of_json(where);
-  FieldReader reader(&document, "", reading);
-  describe(reader, config);
-  reader.reject_unknown_keys();
-  reading.throw_if_bad();
-  return config;
-}
-
-namespace {
-
-bool read_marginal(const nlohmann::json& json, Reading& reading, inference::Marginal& marginal) {
-  return json.is_object() && json.size() == 3 && json.contains("name") && json.contains("unit") &&
-         read_value({json["name"], "name", reading}, marginal.name) &&
-         read_value({json["unit"], "unit", reading}, marginal.unit) &&
-         read_distribution({json, "", reading}, marginal);
-}
-
-}  // namespace
-
 std::vector<inference::Marginal> prior_from_json(const Json& json, const std::string& where) {
-  Reading reading = Reading::of_json(where);
+  Reading reading(where, Reading::Syntax::json);
   std::vector<inference::Marginal> prior;
   const auto read = [&](const Json& marginal) {
     return read_marginal(marginal, reading, prior.emplace_back());
@@ -78,13 +108,21 @@ std::vector<inference::Marginal> prior_from_json(const Json& json, const std::st
                    R"(, must be a list of {"name", "unit", "uniform": [low, high]})");
 }
 
-template sim::SimulatorConfig from_json(const Json&, const std::string&);
-template SimulatorTable from_json(const Json&, const std::string&);
-template inference::EmbeddingConfig from_json(const Json&, const std::string&);
-template inference::TrainedEmbeddingConfig from_json(const Json&, const std::string&);
-template inference::EstimatorConfig from_json(const Json&, const std::string&);
-template inference::TrainingConfig from_json(const Json&, const std::string&);
-template inference::AlgorithmConfig from_json(const Json&, const std::string&);
-template inference::SamplerConfig from_json(const Json&, const std::string&);
+template Fields read_fields(Study&, const FieldTree*, Reading&);
+template Fields read_fields(SimulatorTable&, const FieldTree*, Reading&);
+template Fields read_fields(ObservationNoise&, const FieldTree*, Reading&);
+template Fields read_fields(MethodConfig&, const FieldTree*, Reading&);
+template Fields read_fields(MethodConfig&, const FieldTree*, Reading&, const PolicyConfig&);
+template Fields read_fields(DiagnoseConfig&, const FieldTree*, Reading&);
+template Fields read_fields(PolicyConfig&, const FieldTree*, Reading&);
+template Fields read_fields(ClusterConfig&, const FieldTree*, Reading&);
+template Fields read_fields(PublishedFigure&, const FieldTree*, Reading&);
+template Fields read_fields(sim::SimulatorConfig&, const FieldTree*, Reading&);
+template Fields read_fields(inference::EmbeddingConfig&, const FieldTree*, Reading&);
+template Fields read_fields(inference::TrainedEmbeddingConfig&, const FieldTree*, Reading&);
+template Fields read_fields(inference::EstimatorConfig&, const FieldTree*, Reading&);
+template Fields read_fields(inference::TrainingConfig&, const FieldTree*, Reading&);
+template Fields read_fields(inference::AlgorithmConfig&, const FieldTree*, Reading&);
+template Fields read_fields(inference::SamplerConfig&, const FieldTree*, Reading&);
 
 }  // namespace npdr::pipeline

@@ -6,7 +6,6 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/config/field_list.h"
 
 namespace npdr::pipeline {
 
@@ -22,33 +21,19 @@ std::string toml_text(const Json& value) {
   return "[" + join(elements) + "]";
 }
 
-struct StudyDescription {
-  std::vector<StudyTable> tables;
-  std::vector<StudyKey> keys;
-};
-
-void add_keys(const Fields& fields, const std::string& prefix, StudyDescription& all) {
+// Each table comes before its members.
+void add_fields(const Fields& fields, Fields& all) {
   for (const Field& field : fields) {
-    const std::string path = prefix + field.key;
-    if (field.kind == Field::Kind::value) {
-      all.keys.push_back(
-          {path, field.type, default_text(field), field.allowed, field.names, field.doc});
-    } else {
-      all.tables.push_back({path, field.doc});
-      add_keys(field.members.front(), path + ".", all);
-    }
+    all.push_back(field);
+    all.back().path = display(field.path);
+    if (!field.members.empty()) add_fields(field.members.front(), all);
   }
 }
 
-StudyDescription description() {
-  StudyDescription all;
-  add_keys(fields_of(study_with_lists()), "", all);
+Fields all_fields() {
+  Fields all;
+  add_fields(fields_of(study_with_lists()), all);
   return all;
-}
-
-// The table that a key stands in; "" for one that stands in none.
-std::string table_of(const StudyKey& key) {
-  return key.path.substr(0, key.path.size() - std::min(key.path.size(), key.name().size() + 1));
 }
 
 // "an integer" as "integer", "a list of finite numbers" as "list of numbers".
@@ -70,14 +55,13 @@ std::string with_code(const std::string& text) {
   return marked;
 }
 
-std::string default_cell(const StudyKey& key) {
-  const bool is_value = !key.default_value.empty() && key.default_value != "required";
-  return is_value ? code(key.default_value) : key.default_value;
+std::string default_cell(const Field& key) {
+  const std::string text = default_text(key);
+  return text.empty() || text == "required" ? text : code(text);
 }
 
-std::string allowed_cell(const StudyKey& key) {
-  if (key.names.empty()) return key.allowed;
-  return code(join(key.names, "`, `"));
+std::string allowed_cell(const Field& key) {
+  return key.names.empty() ? key.allowed : code(join(key.names, "`, `"));
 }
 
 }  // namespace
@@ -95,21 +79,28 @@ std::string default_text(const Field& field) {
   return field.is_allowed ? toml_text(field.value) : "required";
 }
 
-std::vector<StudyTable> study_tables() { return description().tables; }
+Fields study_keys() {
+  Fields keys = all_fields();
+  std::erase_if(keys, [](const Field& field) { return field.kind != Field::Kind::value; });
+  return keys;
+}
 
-std::vector<StudyKey> study_keys() { return description().keys; }
+std::vector<std::string> study_tables() {
+  std::vector<std::string> tables;
+  for (const Field& field : all_fields()) {
+    if (field.kind != Field::Kind::value) tables.push_back(field.path);
+  }
+  return tables;
+}
 
 std::string keys_markdown(const std::string& table) {
-  std::vector<StudyKey> keys = study_keys();
-  std::erase_if(keys, [&](const StudyKey& key) { return table_of(key) != table; });
-  if (keys.empty()) {
-    std::vector<std::string> tables;
-    for (const StudyTable& known : study_tables()) tables.push_back(known.path);
-    throw InputError(unknown_name("table", table, tables));
-  }
+  const std::string prefix = table.empty() ? "" : table + ".";
+  Fields keys = study_keys();
+  std::erase_if(keys, [&](const Field& key) { return key.path != prefix + key.key; });
+  if (keys.empty()) throw InputError(unknown_name("table", table, study_tables()));
   std::string text = "| key | type | default | allowed | meaning |\n|---|---|---|---|---|\n";
-  for (const StudyKey& key : keys) {
-    text += fmt::format("| {} | {} | {} | {} | {} |\n", code(key.name()), bare_type(key.type),
+  for (const Field& key : keys) {
+    text += fmt::format("| {} | {} | {} | {} | {} |\n", code(key.key), bare_type(key.type),
                         default_cell(key), allowed_cell(key), with_code(key.doc));
   }
   return text;
@@ -118,8 +109,8 @@ std::string keys_markdown(const std::string& table) {
 std::vector<std::string> method_tables() {
   const std::string begin = "method.";
   std::vector<std::string> names;
-  for (const StudyTable& table : study_tables()) {
-    if (table.path.starts_with(begin)) names.push_back(table.path.substr(begin.size()));
+  for (const std::string& table : study_tables()) {
+    if (table.starts_with(begin)) names.push_back(table.substr(begin.size()));
   }
   names.emplace_back("published");
   return names;

@@ -8,10 +8,9 @@
 #include "core/text.h"
 #include "pipeline/config/check.h"
 #include "pipeline/config/checker.h"
-#include "pipeline/config/field_list.h"
 #include "pipeline/config/field_reader.h"
 #include "pipeline/config/study_fields.h"
-#include "pipeline/config/toml_document.h"
+#include "pipeline/config/study_json.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -65,13 +64,7 @@ class Resolver {
     }
     resolve_external();
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-      MethodConfig& method = study_.methods[i];
-      const std::string path = path_of(i);
-      resolve_algorithm(method, path);
-      resolve_without_network(method, path);
-      resolve_networks(method, path);
-      resolve_embedding(method, path + ".embedding.");
-      resolve_batches(method, path);
+      resolve_method(study_.methods[i], path_of(i));
     }
   }
 
@@ -156,26 +149,28 @@ class Resolver {
     }
   }
 
-  void resolve_without_network(MethodConfig& method, const std::string& path) {
-    const auto family = inference::traits_of(method.algorithm.kind).family;
-    if (family == inference::AlgorithmFamily::network) return;
+  void resolve_method(MethodConfig& method, const std::string& path) {
+    using enum inference::AlgorithmFamily;
+    resolve_algorithm(method, path);
+    const auto leaves_out = [&](const char* key) { return !reading_.has(path + key); };
+    const inference::AlgorithmTraits& traits = inference::traits_of(method.algorithm.kind);
     // Each population is that share of the last one: 0.1 would leave none after a few rounds.
     constexpr double smc_quantile = 0.5;
-    if (method.algorithm.kind == inference::Algorithm::abc_smc &&
-        !reading_.has(path + ".abc.quantile")) {
+    if (method.algorithm.kind == inference::Algorithm::abc_smc && leaves_out(".abc.quantile")) {
       method.abc.quantile = smc_quantile;
     }
-    if (family != inference::AlgorithmFamily::abc) method.algorithm.num_rounds = 1;
-  }
-
-  void resolve_networks(MethodConfig& method, const std::string& path) {
-    const inference::AlgorithmTraits& traits = inference::traits_of(method.algorithm.kind);
-    const std::string estimator = path + ".density_estimator.";
-    if (!traits.estimators.empty() && !reading_.has(estimator + "kind")) {
+    if (traits.family != network && traits.family != abc) method.algorithm.num_rounds = 1;
+    if (!traits.estimators.empty() && leaves_out(".density_estimator.kind")) {
       method.density_estimator.kind = traits.estimators.front();
     }
-    if (!inference::allows_ensembles(traits) && !reading_.has(estimator + "num_networks")) {
+    if (!inference::allows_ensembles(traits) && leaves_out(".density_estimator.num_networks")) {
       method.density_estimator.num_networks = 1;
+    }
+    resolve_embedding(method, path + ".embedding.");
+    if (leaves_out(".training.batch_size")) {  // few simulations make smaller batches
+      const auto rows = static_cast<Index>(static_cast<double>(num_learned_from(method)) *
+                                           (1.0 - method.training.validation_fraction));
+      method.training.batch_size = std::min(method.training.batch_size, std::max<Index>(1, rows));
     }
   }
 
@@ -184,8 +179,7 @@ class Resolver {
   void resolve_embedding(MethodConfig& method, const std::string& path) {
     inference::EmbeddingConfig& embedding = method.embedding;
     if (!reading_.has(path + "downsample")) embedding.downsample = study_.simulator.store_every;
-    const auto family = inference::traits_of(method.algorithm.kind).family;
-    if (study_.source().gives_motion && family == inference::AlgorithmFamily::network) {
+    if (study_.source().gives_motion && family_of(method) == inference::AlgorithmFamily::network) {
       resolve_default_embedding(method, path);
     }
     if (reading_.has(path + "features")) return;
@@ -209,15 +203,6 @@ class Resolver {
     }
   }
 
-  // Few simulations make smaller batches.
-  void resolve_batches(MethodConfig& method, const std::string& path) {
-    if (reading_.has(path + ".training.batch_size")) return;
-    const double rows =
-        static_cast<double>(num_learned_from(method)) * (1.0 - method.training.validation_fraction);
-    const Index most = std::max<Index>(1, static_cast<Index>(rows));
-    method.training.batch_size = std::min(method.training.batch_size, most);
-  }
-
   Study& study_;
   const fs::path& file_;
   const Reading& reading_;
@@ -236,9 +221,7 @@ Study parse_study(std::string_view text, const fs::path& file,
   const nlohmann::json document = read_toml(text, overrides, reading);
   Study study;
   study.cluster = site;
-  FieldReader fields(&document, "", reading);
-  describe(fields, study);
-  fields.reject_unknown_keys();
+  read_fields(study, &document, reading);
   Resolver(study, file, reading).resolve();
   check_study(study, reading);
   reading.throw_if_bad();
@@ -250,9 +233,9 @@ ClusterConfig read_site(const fs::path& file) {
   Reading reading(file.string());
   const nlohmann::json document = read_toml(read_text(file), {}, reading);
   ClusterConfig cluster;
-  FieldReader fields(&document, "", reading);
-  fields.table("cluster", "", [&](auto& table) { describe(table, cluster); });
-  fields.reject_unknown_keys();
+  FieldReader(&document, "", reading).read([&](auto& root) {
+    root.table("cluster", "", [&](auto& table) { describe(table, cluster); });
+  });
   reading.throw_if_bad();
   return cluster;
 }

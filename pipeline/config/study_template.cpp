@@ -1,4 +1,4 @@
-#include "pipeline/config/study_template.h"
+// The commented study that `npdr new NAME` writes.
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,6 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/field_list.h"
 #include "pipeline/config/study_keys.h"
 
 namespace npdr::pipeline {
@@ -161,19 +160,20 @@ class TemplateWriter {
   explicit TemplateWriter(const std::string& name) : name_(name) {}
 
   // `is_aside`: it means nothing to this study, which shows it in comments.
-  void write(const Field& field, const std::string& path, bool is_aside) {
+  void write(const Field& field, bool is_aside) {
+    const std::string path = display(field.path);
     text_ += text_at(kIntroductions, path);
     if (field.kind == Field::Kind::value) return;  // the prior
     const std::string name = field.kind == Field::Kind::list ? "[" + path + "]" : path;
     text_ += commented((is_aside ? "#   [" : "[") + name + "]", field.doc);
     const Fields& members = field.members.front();
     if (is_new(members)) {
-      for (const Field& member : members) write_key(member, path + "." + member.key, is_aside);
+      for (const Field& member : members) write_key(member, is_aside);
     }
     text_ += "\n";
     for (const Field& member : members) {
       if (member.kind == Field::Kind::value) continue;
-      write(member, path + "." + member.key, is_aside || !member.use.unused.empty());
+      write(member, is_aside || !member.use.unused.empty());
     }
   }
 
@@ -187,8 +187,9 @@ class TemplateWriter {
     return told_.insert(docs).second;
   }
 
-  void write_key(const Field& field, const std::string& path, bool is_aside) {
+  void write_key(const Field& field, bool is_aside) {
     if (field.kind != Field::Kind::value) return;
+    const std::string path = display(field.path);
     const std::string setting =
         path == "study.name" ? "\"" + name_ + "\"" : text_at(kSettings, path);
     const std::string example = text_at(kExamples, path);
@@ -218,7 +219,7 @@ std::string study_template(const std::string& name) {
   study.methods.front().algorithm.kind = inference::Algorithm::npe_c;
   TemplateWriter writer(name);
   for (const Field& field : fields_of(study)) {
-    writer.write(field, field.key, std::ranges::count(kLeftOut, field.key) > 0);
+    writer.write(field, std::ranges::count(kLeftOut, field.key) > 0);
   }
   return writer.text();
 }

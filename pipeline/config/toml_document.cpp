@@ -1,5 +1,4 @@
-#include "pipeline/config/toml_document.h"
-
+// TOML text and command-line overrides as one JSON tree.
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
@@ -12,7 +11,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/config/constraint.h"
+#include "pipeline/config/field_reader.h"
 #include "pipeline/config/source_traits.h"
 #include "pipeline/config/study_keys.h"
 
@@ -28,24 +27,17 @@ constexpr std::ptrdiff_t kMaxDotsOfOverride = 1'000;
 // But for those of numbers, between digits and the only one of its word. Every other dot of a key
 // counts at least: "1.1 . 1.1".
 std::ptrdiff_t count_dots(std::string_view text) {
-  const auto is_digit = [&](std::size_t i) {
-    return i < text.size() && std::isdigit(static_cast<unsigned char>(text[i])) != 0;
-  };
-  std::ptrdiff_t all = 0, of_word = 0;
-  bool is_number = false;
-  const auto end_word = [&] {
-    if (!(of_word == 1 && is_number)) all += of_word;
-    of_word = 0;
-  };
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '.') {
-      ++of_word;
-      is_number = i > 0 && is_digit(i - 1) && is_digit(i + 1);
-    } else if (std::string_view(" \t\r\n,=[]{}").find(text[i]) != std::string_view::npos) {
-      end_word();
-    }
+  const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+  std::ptrdiff_t all = 0;
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n,=[]{}"));
+    const std::ptrdiff_t dots = std::ranges::count(word, '.');
+    const std::size_t dot = word.find('.');
+    const bool is_number = dots == 1 && dot > 0 && dot + 1 < word.size() &&
+                           is_digit(word[dot - 1]) && is_digit(word[dot + 1]);
+    if (!is_number) all += dots;
+    text.remove_prefix(std::min(word.size() + 1, text.size()));
   }
-  end_word();
   return all;
 }
 
@@ -61,7 +53,7 @@ struct Assignment {
   std::string origin;  // "--set key=value"
   std::string key;
   std::string value;
-  std::size_t number = 0;  // among those of the command line
+  std::size_t number;  // among those of the command line
 };
 
 std::size_t find_equals_sign(const std::string& text) {
@@ -78,14 +70,14 @@ std::size_t find_equals_sign(const std::string& text) {
   return std::string::npos;
 }
 
-Assignment split(const std::string& text) {
+Assignment parse_assignment(const std::string& text, std::size_t number) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
   const std::size_t equals = find_equals_sign(text);
   if (equals == std::string::npos || std::any_of(text.begin(), text.end(), is_control)) {
     throw InputError("must be one line of the form key=value");
   }
   require_few_dots(text, kMaxDotsOfOverride);
-  return {kOverride + text, text.substr(0, equals), text.substr(equals + 1)};
+  return {kOverride + text, text.substr(0, equals), text.substr(equals + 1), number};
 }
 
 Path parse_key(const std::string& key) {
@@ -108,31 +100,26 @@ Path parse_key(const std::string& key) {
   return path;
 }
 
-// A text without quotes.
-toml::table parse_text(const std::string& text, std::string_view origin) {
-  try {
-    // JSON's escapes are TOML's.
-    return toml::parse("value = " + nlohmann::json(text).dump(), origin);
-  } catch (const nlohmann::json::exception&) {
-    throw InputError("the value isn't UTF-8, must be TOML or plain text");
-  } catch (const toml::parse_error& error) {
-    throw InputError(std::string(error.description()));
-  }
-}
-
 // A table that holds the value under the key "value": toml++ has no free-standing values. Its line
-// is that of the assignment on the command line.
+// is that of the assignment on the command line. A text may stand without quotes.
 toml::table parse_value(const Assignment& assignment) {
-  const std::string_view origin = assignment.origin;
+  const auto parse = [&](const std::string& value) {
+    return toml::parse(std::string(assignment.number, '\n') + "value = " + value,
+                       std::string_view(assignment.origin));
+  };
   try {
-    return toml::parse(std::string(assignment.number, '\n') + "value = " + assignment.value,
-                       origin);
-  } catch (const toml::parse_error& error) {
+    return parse(assignment.value);
+  } catch (const toml::parse_error&) {
     const std::size_t begin = assignment.value.find_first_not_of(' ');
-    const bool bare = begin != std::string::npos &&
-                      std::string("[{\"'").find(assignment.value[begin]) == std::string::npos;
-    if (!bare) throw InputError(std::string(error.description()));
-    return parse_text(assignment.value.substr(begin), origin);
+    const bool is_bare = begin != std::string::npos &&
+                         std::string("[{\"'").find(assignment.value[begin]) == std::string::npos;
+    if (!is_bare) throw;
+    try {
+      // JSON's escapes are TOML's.
+      return parse(nlohmann::json(assignment.value.substr(begin)).dump());
+    } catch (const nlohmann::json::exception&) {
+      throw InputError("the value isn't UTF-8, must be TOML or plain text");
+    }
   }
 }
 
@@ -197,7 +184,7 @@ void assign(toml::table& table, std::span<const std::string> path, const Assignm
 // The origin as a whole where toml++ has no record of it.
 Place place_of(const toml::source_region& source, const std::string& origin) {
   const std::string where = source.path ? *source.path : origin;
-  if (!source.begin || where.starts_with(kOverride)) return {where};
+  if (!source.begin) return {where};
   return {where, static_cast<int>(source.begin.line), static_cast<int>(source.begin.column)};
 }
 
@@ -250,19 +237,6 @@ toml::table parse_toml(std::string_view text, const std::string& origin) {
   }
 }
 
-void apply_override(toml::table& document, const std::string& assignment, std::size_t number,
-                    Reading& reading) {
-  try {
-    Assignment parts = split(assignment);
-    parts.number = number;
-    const Path path = parse_key(parts.key);
-    assign(document, path, parts);
-    remove_rival(document, path);
-  } catch (const InputError& error) {
-    reading.fail("", {kOverride + assignment}, error.what());
-  }
-}
-
 nlohmann::json scalar(const toml::node& node) {
   if (const auto* text = node.as_string()) return text->get();
   if (const auto* number = node.as_integer()) return number->get();
@@ -294,9 +268,7 @@ nlohmann::json json_of(const toml::table& document, Reading& reading) {
       for (auto&& [key, node] : *table) {
         const std::string name(key.str());
         const std::string path = item.path.empty() ? name : item.path + "." + name;
-        const toml::source_position begin = key.source().begin;
-        reading.add_source(path, {place(key.source()), place(node.source()),
-                                  static_cast<int>(begin.line), static_cast<int>(begin.column)});
+        reading.add_source(path, {place(key.source()), place(node.source())});
         open.push_back({&node, &(*item.json)[name], path});
       }
     } else if (const toml::array* array = item.node->as_array()) {
@@ -320,7 +292,16 @@ nlohmann::json read_toml(std::string_view text, const std::vector<std::string>& 
                          Reading& reading) {
   toml::table document = parse_toml(text, reading.origin());
   for (std::size_t i = 0; i < overrides.size(); ++i) {
-    apply_override(document, overrides[i], i, reading);
+    try {
+      const Assignment assignment = parse_assignment(overrides[i], i);
+      const Path path = parse_key(assignment.key);
+      assign(document, path, assignment);
+      remove_rival(document, path);
+    } catch (const InputError& error) {
+      reading.fail("", {kOverride + overrides[i]}, error.what());
+    } catch (const toml::parse_error& error) {
+      reading.fail("", {kOverride + overrides[i]}, error.what());
+    }
   }
   return json_of(document, reading);
 }

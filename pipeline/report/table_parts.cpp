@@ -29,7 +29,7 @@ std::string title_of(const ReportData& data, const std::string& metric) {
   if (metric.starts_with(kHeldOutPrefix)) {
     return title_of(data, metric.substr(kHeldOutPrefix.size())) + ", held out";
   }
-  return traits_of(parse_enum<Metric>("metric", metric)).title(data.info);
+  return title_of(parse_enum<Metric>("metric", metric), data.info);
 }
 
 Cell cell_of(const analysis::Summary& summary) { return with_failed(summary, summary); }

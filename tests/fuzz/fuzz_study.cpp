@@ -8,7 +8,6 @@
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_keys.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/config/study_template.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/input_bytes.h"
 
@@ -21,7 +20,7 @@ constexpr std::array kValues = {"0",     "-1",     "1",   "1000000000000", "9223
                                 "'a'",   "[[]]",   "0.5", "2024-01-01",    "{ uniform = [0, 1] }"};
 
 // "key=value": a value of the list, or text.
-std::string setting(InputBytes& bytes, const std::vector<StudyKey>& keys) {
+std::string setting(InputBytes& bytes, const Fields& keys) {
   const std::string key = bytes.one_of(keys).path;
   const std::size_t value = bytes.below(2 * kValues.size());
   return key + "=" + (value < kValues.size() ? kValues[value] : bytes.text());
@@ -66,7 +65,7 @@ std::vector<std::string> study_seeds() {
 }
 
 void fuzz_study(std::string_view input, const std::filesystem::path& folder) {
-  static const std::vector<StudyKey> keys = study_keys();
+  static const Fields keys = study_keys();
   static std::filesystem::path made_in;
   if (made_in != folder) {
     for (const std::string& study : studies()) make_files(study, folder);

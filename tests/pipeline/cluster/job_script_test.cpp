@@ -5,7 +5,6 @@
 #include "core/text.h"
 #include "pipeline/cluster/batch_task.h"
 #include "pipeline/cluster/submit.h"
-#include "pipeline/config/field_constraints.h"
 #include "pipeline/config/study_reader.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"

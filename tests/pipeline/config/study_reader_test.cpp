@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "pipeline/config/check.h"
+#include "pipeline/config/study_json.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 
@@ -51,15 +52,7 @@ TEST(StudyReader, KeepsThePriorInTheOrderOfTheFileWithTheUnitsOfTheSimulator) {
   using enum Marginal::Kind;
   const auto expect_prior = [](const std::vector<std::string>& overrides,
                                const std::vector<Marginal>& expected) {
-    const std::vector<Marginal> prior = small_study(overrides).prior;
-    ASSERT_EQ(prior.size(), expected.size());
-    for (std::size_t d = 0; d < prior.size(); ++d) {
-      EXPECT_EQ(prior[d].name, expected[d].name);
-      EXPECT_EQ(prior[d].unit, expected[d].unit);
-      EXPECT_EQ(prior[d].kind, expected[d].kind);
-      EXPECT_EQ(prior[d].a, expected[d].a);
-      EXPECT_EQ(prior[d].b, expected[d].b);
-    }
+    EXPECT_EQ(to_json(small_study(overrides).prior), to_json(expected));
   };
   const Marginal mass{"pole_mass", "kg", uniform, 0.3, 1.7},
       half{"pole_mass", "kg", uniform, 0.5, 0.6};

@@ -12,7 +12,7 @@
 #include "analysis/table.h"
 #include "core/shell_text.h"
 #include "core/text.h"
-#include "pipeline/config/field_constraints.h"
+#include "pipeline/config/constraint.h"
 #include "pipeline/config/study.h"
 #include "pipeline/process/fitted_text.h"
 #include "pipeline/process/progress.h"
