@@ -11,7 +11,7 @@
 #include "inference/diagnostics/levels.h"
 #include "inference/prior.h"
 #include "pipeline/findings/probe.h"
-#include "pipeline/sources/dataset_rows.h"
+#include "pipeline/sources/source.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {

@@ -14,7 +14,6 @@
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/sources/first_rows.h"
-#include "pipeline/sources/repeated_outlier.h"
 #include "pipeline/stages/checkpoints.h"
 #include "pipeline/stages/stages.h"
 

@@ -1,4 +1,4 @@
-#include "pipeline/sources/command_text.h"
+#include "pipeline/sources/program_call.h"
 
 #include "tests/temp_folder.h"
 

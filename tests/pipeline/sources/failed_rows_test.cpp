@@ -1,4 +1,4 @@
-#include "pipeline/sources/failed_rows.h"
+#include "pipeline/sources/program_call.h"
 
 #include <fmt/format.h>
 #include <sys/stat.h>

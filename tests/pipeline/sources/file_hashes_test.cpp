@@ -1,4 +1,4 @@
-#include "pipeline/sources/file_hashes.h"
+#include "pipeline/sources/program_call.h"
 
 #include <filesystem>
 
