@@ -15,7 +15,7 @@
 #include "pipeline/cluster/job_script.h"
 #include "pipeline/cluster/job_tag.h"
 #include "pipeline/cluster/ledger.h"
-#include "pipeline/features/targets.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/process/child_process.h"

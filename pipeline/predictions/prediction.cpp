@@ -2,7 +2,6 @@
 
 #include "inference/abc/feature_distance.h"
 #include "pipeline/features/simulation_features.h"
-#include "pipeline/features/targets.h"
 
 namespace npdr::pipeline {
 namespace {

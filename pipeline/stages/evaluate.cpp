@@ -2,7 +2,7 @@
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/features/targets.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/stages/stages.h"
 

@@ -5,9 +5,8 @@
 #include "inference/abc/feature_distance.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/features/simulation_distances.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/features/simulation_features.h"
-#include "pipeline/features/targets.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/stages/infer_methods.h"
 

@@ -1,5 +1,5 @@
 #include "pipeline/artefacts/particle_file.h"
-#include "pipeline/features/targets.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/stages/infer_methods.h"
 #include "sim/simulator_check.h"
 

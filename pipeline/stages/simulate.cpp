@@ -9,7 +9,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/features/failures.h"
-#include "pipeline/features/targets.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/plan/shards.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/process/progress.h"
