@@ -80,6 +80,11 @@ StreamId within(StreamId id, std::string_view name) {
   return named(id, name);
 }
 
+StreamId row_after(StreamId id, std::int64_t count) {
+  id.row += static_cast<std::uint64_t>(count);
+  return id;
+}
+
 Stream::Stream(const StreamId& id) {
   const std::uint64_t key = stream_key(id);
   key_ = {low_word(key), high_word(key)};

@@ -30,6 +30,9 @@ StreamId named(StreamId id, std::string_view name);
 /// A stream for a purpose that serves that of `id`: other numbers for each of them.
 StreamId within(StreamId id, std::string_view name);
 
+/// The stream of the row that comes `count` rows after that of `id`.
+StreamId row_after(StreamId id, std::int64_t count);
+
 /// One stream of random numbers. Cheap to make; not thread-safe: make one per row.
 class Stream {
  public:

@@ -37,6 +37,7 @@ struct Trajectories {
   void resize(Index rows, Index rollouts, Index steps, Index states);
   /// Adds rows of rollouts of the same size, or of any size where there are none yet.
   void append(const Trajectories& rows);
+  bool is_ok(Index i) const { return status[static_cast<std::size_t>(i)] == RolloutStatus::ok; }
   Index row_size() const { return num_rollouts * num_steps * num_states; }
   std::span<float> row(Index i);
   std::span<const float> row(Index i) const;

@@ -15,7 +15,6 @@
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/observation.h"
-#include "pipeline/features/targets.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -9,7 +9,7 @@
 #include "core/text.h"
 #include "inference/prior.h"
 #include "pipeline/apps/command_line.h"
-#include "pipeline/features/targets.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {

@@ -230,11 +230,11 @@ Verification verify_simulation(const std::filesystem::path& path, const Artefact
   const auto simulator = followed(
       path, [&] { return source->open({.simulator = study.simulator, .target = target}); });
   return look_at_rows(rows.values.num_rows(), options, [&](Index row) {
-    StreamId id = first;
-    id.row += static_cast<std::uint64_t>(row);
     const RowMatrix theta = row_of<double>(rows.theta, row);
-    const sim::Trajectories again = followed(
-        path, [&] { return simulator->simulate(source->parameters().complete(theta.row(0)), id); });
+    const sim::Trajectories again = followed(path, [&] {
+      return simulator->simulate(source->parameters().complete(theta.row(0)),
+                                 row_after(first, row));
+    });
     return same(again.values, row_of<float>(rows.values, row)) &&
            as_bytes(again.status).front() == row_of<std::uint8_t>(rows.status, row)(0) &&
            theta == proposed.theta(row);

@@ -38,7 +38,7 @@ void join_shards(const ArtefactFile& simulation, const Identity& identity, const
                  const Target& target, const std::vector<Shard>& shards,
                  const std::string& warning);
 
-/// Says of a shard or a simulation what is probably wrong with its rows (row_check.h). No warnings
+/// Says of a shard or a simulation what is probably wrong with its rows (first_rows.h). No warnings
 /// leave it as it is.
 void write_warnings(h5::File& file, const std::vector<std::string>& warnings);
 /// Empty: none. Throws InputError.

@@ -13,7 +13,7 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/cluster/cluster_status.h"
 #include "pipeline/cluster/job_tag.h"
-#include "pipeline/features/targets.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/child_process.h"

@@ -66,7 +66,7 @@ Findings find_references_outside(const Subject& s) {
   return found;
 }
 
-// Simulators of the user's may draw it; they are asked when they run (sources/row_check.h).
+// Simulators of the user's may draw it; they are asked when they run (sources/first_rows.h).
 Findings find_exact_channels(const Subject& s) {
   const SourceTraits& source = s.study.source();
   const ObservationNoise& noise = s.study.observation_noise;

@@ -1,8 +1,12 @@
 #include "pipeline/features/observation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
+#include "pipeline/artefacts/recording.h"
 #include "sim/observation_noise.h"
 
 namespace npdr::pipeline {
@@ -58,6 +62,27 @@ std::vector<float> observed_states(const Study& study, const Target& target) {
 
 }  // namespace
 
+Target read_target(const Plan& plan, const Node& node, Index num_rollouts) {
+  Target target = read_target_artefact(plan.input(node, "target"));
+  return num_rollouts > 0 ? target.first(num_rollouts) : target;
+}
+
+Target read_seen_target(const Plan& plan, const Node& node) {
+  const Use& use = node.uses.front();
+  return read_target(plan, node, num_rollouts_seen(plan.study.method(use.method), use));
+}
+
+Target make_seen_target(const Plan& plan) {
+  const Target all = plan.study.target.truth ? plan.source->behave({}) : plan.target;
+  return all.first(all.num_rollouts() - plan.study.target.held_out);
+}
+
+std::optional<Target> read_held_out(const Plan& plan, const Node& node) {
+  const Node* held_out = plan.find_input(node, "held_out");
+  if (held_out == nullptr) return std::nullopt;
+  return read_target_artefact(*held_out);
+}
+
 sim::NoiseModel noise_model(const Study& study, const Target& target, std::vector<Index> channels) {
   if (channels.empty()) {
     channels.resize(target.state_channels.size());
@@ -93,6 +118,47 @@ VectorF Observation::x_o(const inference::Embedding& embedding) const {
   VectorF x(embedding.num_features());
   embedding.embed(picked(embedding.selection()), {x.data(), static_cast<std::size_t>(x.size())});
   return x;
+}
+
+Vector summarize(std::span<const float> picked, const inference::SeriesSelection& selection) {
+  constexpr Index num_values = 5;
+  const Index steps = selection.num_steps(), channels = selection.num_channels();
+  if (steps == 1) {
+    return Eigen::Map<const VectorF>(picked.data(), selection.num_values()).cast<double>();
+  }
+  Vector result(num_values * selection.num_rollouts * channels);
+  Index next = 0;
+  for (Index h = 0; h < selection.num_rollouts; ++h) {
+    const Eigen::Map<const RowMatrixF> rollout(picked.data() + h * steps * channels, steps,
+                                               channels);
+    for (Index c = 0; c < channels; ++c) {
+      const Vector values = rollout.col(c).cast<double>();
+      const double mean = values.mean();
+      const double deviation = std::sqrt((values.array() - mean).square().mean());
+      result.segment(next, num_values) << mean, deviation, values.minCoeff(), values.maxCoeff(),
+          values(steps - 1);
+      next += num_values;
+    }
+  }
+  return result;
+}
+
+std::vector<std::string> summary_names(const inference::SeriesSelection& selection,
+                                       const std::vector<Channel>& channels) {
+  std::vector<std::string> names;
+  for (Index h = 0; h < selection.num_rollouts; ++h) {
+    for (const Index c : selection.channels) {
+      if (selection.num_steps() == 1) {
+        names.push_back(channels[static_cast<std::size_t>(c)].label);
+        continue;
+      }
+      for (const char* what : {"mean", "deviation", "minimum", "maximum", "last"}) {
+        names.push_back(fmt::format("rollout {}, {}: {}", h + 1,
+                                    channels[static_cast<std::size_t>(c)].label, what));
+      }
+    }
+  }
+  return names;
 }
 
 }  // namespace npdr::pipeline

@@ -4,7 +4,6 @@
 
 #include "inference/abc/feature_distance.h"
 #include "pipeline/features/simulation_features.h"
-#include "pipeline/features/targets.h"
 
 namespace npdr::pipeline {
 Predictor::Predictor(const Plan& plan, Target target, const std::filesystem::path& log)

@@ -14,7 +14,7 @@
 #include "inference/prior.h"
 #include "pipeline/features/observation.h"
 #include "pipeline/plan/plan.h"
-#include "pipeline/sources/row_simulator.h"
+#include "pipeline/sources/source.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {

@@ -44,11 +44,6 @@ std::vector<RowMatrix> by_rollout(const std::vector<float>& series, Index rollou
   return observed;
 }
 
-StreamId row_of(StreamId id, Index i) {
-  id.row += static_cast<std::uint64_t>(i);
-  return id;
-}
-
 bool is_ok(const sim::Trajectories& rows, Index i) {
   return rows.status[static_cast<std::size_t>(i)] == sim::RolloutStatus::ok;
 }
@@ -115,7 +110,7 @@ PredictionScores score_part(const Observation& observation, const sim::Trajector
   scores.log_score = log_score(model, rows, recorded, noise);
   parallel_for(rows.num_rows, [&](Index i) {
     if (!is_ok(rows, i)) return;
-    Stream stream(row_of(within(id, "prediction_noise"), i));
+    Stream stream(row_after(within(id, "prediction_noise"), i));
     model.add(rows.row(i), noise[static_cast<std::size_t>(i)], stream);
   });
   const auto noisy = scores_of(recorded);
@@ -167,7 +162,7 @@ NoiseOfSamples draw_noise(const Observation& observation, const sim::Trajectorie
   const sim::NoiseLikelihood likelihood(model, observation.states());
   const std::optional<inference::Resampler> others = other_samples(likelihood, rows, source.power);
   parallel_for(rows.num_rows, [&](Index i) {
-    Stream stream(row_of(within(id, "noise_values"), i));
+    Stream stream(row_after(within(id, "noise_values"), i));
     const Index other = others ? others->draw(stream.uniform()) : i;
     // A sample that failed here may predict other rollouts well.
     noise[static_cast<std::size_t>(i)] = model.with_unknown_scales_times(
@@ -183,7 +178,7 @@ NoiseOfSamples draw_prior_noise(const Observation& observation, Index num_sample
   const sim::NoiseModel& model = observation.noise();
   NoiseOfSamples noise;
   for (Index i = 0; i < num_samples; ++i) {
-    Stream stream(row_of(within(id, "noise_values"), i));
+    Stream stream(row_after(within(id, "noise_values"), i));
     noise.push_back(model.draw_values(stream));
   }
   return noise;

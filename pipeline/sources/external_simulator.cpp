@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/sources/row_simulator.h"
+#include "pipeline/sources/source.h"
 #include "sim/segments.h"
 #include "sim/simulator_check.h"
 
@@ -25,9 +24,7 @@ constexpr std::size_t kLargestLog = 1 << 20;
 constexpr std::size_t kTailLines = 20;
 
 std::string tail_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  const std::vector<std::string> lines = split(text, '\n');
   std::string tail;
   const std::size_t first = lines.size() > kTailLines ? lines.size() - kTailLines : 0;
   for (std::size_t i = first; i < lines.size(); ++i) tail += "\n  " + lines[i];
@@ -46,7 +43,7 @@ Index hopeless_rows(double max_failed_fraction) {
 ExternalSimulator::ExternalSimulator(Program program, std::filesystem::path log,
                                      Index hopeless_rows)
     : program_(std::move(program)),
-      call_(make_program_call(program_)),
+      call_(program_.external.worker ? make_worker_call(program_) : make_file_call(program_)),
       log_path_(std::move(log)),
       hopeless_rows_(hopeless_rows) {}
 
@@ -90,7 +87,9 @@ sim::Trajectories ExternalSimulator::simulate(const RowMatrix& theta, const Stre
   if (!work.rows.empty()) solve(work, work.rows, false);
   repeat_named(work);
   if (!work.named.empty()) loss_ = work.why;
-  count_last_named(work);
+  const auto is_named = [&](Index row) { return work.named.contains(row); };
+  const auto last = std::find_if_not(work.rows.rbegin(), work.rows.rend(), is_named);
+  count_lost(last - work.rows.rbegin());
   return std::move(work.result);
 }
 
@@ -196,7 +195,9 @@ void ExternalSimulator::take(Work& work, Rows rows, const ProgramReply& reply) {
     lost_number_ = lost;
     log(lost + "\n");
   }
-  if (good) keep_as_good(work, *good);
+  if (!good) return;
+  good_ = begin(work.theta.row(*good), row_after(work.first, *good), work.num_rows);
+  num_lost_ = 0;
 }
 
 // Gives the words of a number that made the row diverge.
@@ -216,25 +217,12 @@ std::string ExternalSimulator::store(Work& work, Index row, RolloutStatus status
   return words.empty() ? "" : fmt::format("row {} has {}", work.number(row), words);
 }
 
-void ExternalSimulator::keep_as_good(const Work& work, Index row) {
-  StreamId id = work.first;
-  id.row += static_cast<std::uint64_t>(row);
-  good_ = begin(work.theta.row(row), id, work.num_rows);
-  num_lost_ = 0;
-}
-
 void ExternalSimulator::give_up(Work& work, Index row, RolloutStatus status) {
   sim::lose_row(row, status, work.result);
   work.named.erase(row);
   ++work.num_lost;
   loss_ = last_failure_;
   count_lost(1);
-}
-
-void ExternalSimulator::count_last_named(const Work& work) {
-  const auto is_named = [&](Index row) { return work.named.contains(row); };
-  const auto last = std::find_if_not(work.rows.rbegin(), work.rows.rend(), is_named);
-  count_lost(last - work.rows.rbegin());
 }
 
 // Of many rows in a row a good one tells whether they fail, or the program, its licence, the disk.

@@ -1,12 +1,11 @@
 /// A simulator that is another program, which may crash, hang, or write what isn't a row.
 ///
-/// When a call fails (exit status, signal, time limit, a result that isn't there or not what it
-/// must be) it is repeated `retries` times, and then its rows are halved down to single rows, so
-/// that only the culprits are lost: they get a status and NaN, all others keep their values. A
-/// single row is repeated, too, before it is given up. Rows that the program itself says to have
-/// failed, while others went well, are asked for together in one call more, `retries` times, and
-/// again for as long as that brings some of them back. Where the program draws random numbers from
-/// the seeds that it is given, a row's result doesn't depend on how the rows were split.
+/// A call that fails (exit status, signal, time limit, no result or none that it must be) is
+/// repeated `retries` times. Then its rows are halved down to single ones, repeated, too, before
+/// they are given up: only the culprits get a status and NaN. Rows that the program itself says to
+/// have failed, while others went well, are asked for together in one call more, `retries` times,
+/// and again for as long as that brings some of them back. Where the program draws random numbers
+/// from the seeds that it is given, a row's result doesn't depend on how the rows were split.
 #pragma once
 
 #include <filesystem>
@@ -25,12 +24,12 @@
 
 namespace npdr::pipeline {
 
-/// So many rows in a row that fail are perhaps not to blame, where nobody says how many may: with
-/// half of all rows failing that happens by chance once in 2^33 rows.
+/// So many rows in a row that fail are perhaps not to blame, where nobody says how many may: by
+/// chance, with half of all rows failing, once in 2^33 rows.
 inline constexpr Index kHopelessRows = 32;
 
-/// The same where a share of `max_failed_fraction` may fail: as many in a row do by chance once in
-/// 10^9 times, 7 for 0.05, 4 at least.
+/// The same where a share of `max_failed_fraction` may fail: by chance once in 10^9 times, 7 for
+/// 0.05, 4 at least.
 Index hopeless_rows(double max_failed_fraction);
 
 /// Several may work at the same time, one a thread.
@@ -98,9 +97,7 @@ class ExternalSimulator {
   void take(Work& work, Rows rows, const ProgramReply& reply);
   std::string store(Work& work, Index row, sim::RolloutStatus status,
                     std::span<const double> states) const;
-  void keep_as_good(const Work& work, Index row);
   void give_up(Work& work, Index row, sim::RolloutStatus status);
-  void count_last_named(const Work& work);
   void count_lost(Index count);
   void note(const std::string& heading, const ProgramReply& reply, Work& work);
   void log(const std::string& text);

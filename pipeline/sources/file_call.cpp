@@ -1,9 +1,14 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "core/error.h"
@@ -13,9 +18,7 @@
 #include "core/temporary_folder.h"
 #include "core/text.h"
 #include "pipeline/artefacts/feature_file.h"
-#include "pipeline/sources/command_text.h"
-#include "pipeline/sources/failed_rows.h"
-#include "pipeline/sources/precision.h"
+#include "pipeline/sources/first_rows.h"
 #include "pipeline/sources/program_call.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/h5.h"
@@ -28,6 +31,14 @@ using sim::RolloutStatus;
 // A shell's statuses for a program that isn't there or can't be run.
 constexpr int kCannotRun = 126;
 constexpr int kNotFound = 127;
+
+// More than anybody reads, of the names of a call's failed rows, and of what is said of one.
+constexpr std::uintmax_t kMostBytes = 1 << 24;
+constexpr std::size_t kMostOfARow = 1000;
+
+[[noreturn]] void reject_failed_rows(const std::string& why) {
+  throw InputError("NPDR_FAILED " + why);
+}
 
 // Held while the files of a call are written and read: HDF5 serves one thread at a time.
 std::unique_lock<std::mutex> lock_files(FileFormat format) {
@@ -139,11 +150,9 @@ class FileCall final : public ProgramCall {
     std::vector<std::string> names = {"steps", "past"};
     append(names, labels_of(program_.info.state_channels));
     RowMatrix rows(segments.num_segments(), 2 + segments.num_states());
-    for (Index s = 0; s < rows.rows(); ++s) {
-      const auto i = static_cast<std::size_t>(s);
-      rows.row(s) << static_cast<double>(segments.steps[i]), static_cast<double>(segments.past[i]),
-          segments.first_states.row(s);
-    }
+    using Numbers = Eigen::Map<const VectorX<std::int64_t>>;
+    rows << Numbers(segments.steps.data(), rows.rows()).cast<double>(),
+        Numbers(segments.past.data(), rows.rows()).cast<double>(), segments.first_states;
     files.write_table("segments", names, rows);
     files.write_table("actions", labels_of(program_.info.action_channels), segments.actions);
   }
@@ -194,6 +203,40 @@ class FileCall final : public ProgramCall {
 };
 
 }  // namespace
+
+std::map<Index, std::string> read_failed_rows(const std::filesystem::path& path, Index num_rows) {
+  std::map<Index, std::string> rows;
+  std::error_code error;
+  const auto type = std::filesystem::symlink_status(path, error).type();
+  if (type == std::filesystem::file_type::not_found) return rows;
+  if (type != std::filesystem::file_type::regular) reject_failed_rows("must be a file");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (!error && size > kMostBytes) {
+    reject_failed_rows(fmt::format(
+        "has {} bytes, must have {} or less: a line for each row that failed", size, kMostBytes));
+  }
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) reject_failed_rows(fmt::format("can't be read: {}", std::strerror(errno)));
+  Index number = 0;
+  for (std::string line; std::getline(stream, line);) {
+    ++number;
+    if (line.ends_with('\r')) line.pop_back();
+    const std::size_t blank = std::min(line.find_first_of(" \t"), line.size());
+    const std::optional<Index> row = parse_count(std::string_view(line).substr(0, blank));
+    // A file that was cut may end in the middle of a number.
+    const bool is_cut = stream.eof() && blank == line.size();
+    if (!row || *row >= num_rows || is_cut) {
+      reject_failed_rows(
+          fmt::format("has in line {} {}, must have a row's number, 0 to {}, a blank, why it "
+                      "failed, and the line's end",
+                      number, npdr::quoted(line), num_rows - 1));
+    }
+    const std::string why = trimmed(line.substr(blank, kMostOfARow));
+    rows.emplace(*row, why.empty() ? "it failed, and NPDR_FAILED doesn't say why" : why);
+  }
+  if (stream.bad()) reject_failed_rows("can't be read to its end");
+  return rows;
+}
 
 std::unique_ptr<ProgramCall> make_file_call(const Program& program) {
   return std::make_unique<FileCall>(program);

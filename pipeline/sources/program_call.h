@@ -1,10 +1,14 @@
-/// One way to ask a program of the user's for rows: files, or requests to one that stays.
+/// Programs of the user's: the files that their rows depend on, and the ways to ask one for rows,
+/// by files or by requests to one that stays.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/finding.h"
@@ -16,6 +20,35 @@
 #include "sim/trajectories.h"
 
 namespace npdr::pipeline {
+
+/// Words of the command that are files, such as a script, by their paths from `folder`; but not
+/// those that it writes (after '>') and, where they aren't in it, programs in a folder `bin`, such
+/// as an environment's python3, and files of the machine (/usr, /etc, /tmp, ...).
+std::vector<std::string> named_paths(const std::string& command,
+                                     const std::filesystem::path& folder);
+
+/// Files, held against what they were when they were read.
+class FileHashes {
+ public:
+  /// Reads files by their names in `folder`. Throws InputError for one that can't be read.
+  FileHashes(const std::vector<std::string>& names, const std::filesystem::path& folder);
+
+  /// Hashes by name.
+  const std::map<std::string, std::string>& by_name() const { return hashes_; }
+
+  /// Throws Error with the first file that isn't what it was: rows that are simulated with it
+  /// belong to another key. Reads only files whose time or size has changed; what was edited and
+  /// put back is what it was. A file that can't be read just now is looked at the next time.
+  void require_unchanged();
+
+ private:
+  using Stamp = std::pair<std::filesystem::file_time_type, std::uintmax_t>;  // and the size
+  static Stamp stamp_of(const std::filesystem::path& path);
+
+  std::filesystem::path folder_;
+  std::map<std::string, std::string> hashes_;
+  std::map<std::string, Stamp> stamps_;
+};
 
 /// A program, and the rollouts that it is asked over.
 struct Program {
@@ -67,14 +100,22 @@ class ProgramCall {
 };
 
 /// A program that reads a file of theta and writes a file of x, each time anew, and may name rows
-/// that failed in another (failed_rows.h); where it gives motion it reads segments, too, and writes
+/// that failed in another; where it gives motion it reads segments, too, and writes
 /// states. Keeps a reference to `program`, as the next does.
 std::unique_ptr<ProgramCall> make_file_call(const Program& program);
 
+/// The command with {theta} and {x} replaced by the paths of the files; a file whose placeholder
+/// doesn't occur is appended, theta first.
+std::string filled_command(const std::string& command, const std::filesystem::path& theta,
+                           const std::filesystem::path& x);
+
+/// Why rows failed, by the file of NPDR_FAILED, as the first line about each says it: a line for
+/// each row that failed holds its number in theta from 0, a blank, and why. None where there is no
+/// such file. Throws InputError where it is no file, can't be read, or has a line of another kind
+/// or of none of `num_rows` rows.
+std::map<Index, std::string> read_failed_rows(const std::filesystem::path& path, Index num_rows);
+
 /// A program that stays; the interface is in docs/worker-protocol.md.
 std::unique_ptr<ProgramCall> make_worker_call(const Program& program);
-
-/// The one that the study asks for.
-std::unique_ptr<ProgramCall> make_program_call(const Program& program);
 
 }  // namespace npdr::pipeline

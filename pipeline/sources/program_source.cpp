@@ -4,10 +4,8 @@
 #include <chrono>
 
 #include "core/parallel.h"
-#include "pipeline/sources/command_text.h"
 #include "pipeline/sources/external_simulator.h"
-#include "pipeline/sources/file_hashes.h"
-#include "pipeline/sources/source_kinds.h"
+#include "pipeline/sources/source.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -51,8 +49,12 @@ class ProgramRowSimulator final : public RowSimulator {
   }
 
   void log_to(const std::filesystem::path& log) override {
-    for (Index c = 0; c < std::ssize(simulators_); ++c) {
-      simulators_[static_cast<std::size_t>(c)]->log_to(log_of_call(log, c));
+    for (std::size_t c = 0; c < simulators_.size(); ++c) {
+      std::filesystem::path of_call = log;
+      if (c > 0 && !log.empty()) {
+        of_call.replace_filename(fmt::format("{}-{}.log", log.stem().string(), c + 1));
+      }
+      simulators_[c]->log_to(of_call);
     }
   }
 
@@ -110,13 +112,6 @@ class ProgramRowSimulator final : public RowSimulator {
         std::max(rows_per_request_, std::min({2 * rows_per_request_, kMostRows, fitting}));
   }
 
-  static std::filesystem::path log_of_call(std::filesystem::path log, Index call) {
-    if (call > 0 && !log.empty()) {
-      log.replace_filename(fmt::format("{}-{}.log", log.stem().string(), call + 1));
-    }
-    return log;
-  }
-
   std::vector<sim::Trajectories> simulate_block(const RowMatrix& complete, Index begin, Index count,
                                                 const StreamId& first) const {
     const Index calls = std::min(static_cast<Index>(simulators_.size()), count);
@@ -127,10 +122,9 @@ class ProgramRowSimulator final : public RowSimulator {
     std::vector<sim::Trajectories> parts(static_cast<std::size_t>(calls));
     parallel_for(calls, [&](Index c) {
       const Index from = begin + c * count / calls, to = begin + (c + 1) * count / calls;
-      StreamId id = first;
-      id.row += static_cast<std::uint64_t>(from);
       const auto i = static_cast<std::size_t>(c);
-      parts[i] = simulators_[i]->simulate(complete.middleRows(from, to - from), id, limited);
+      parts[i] = simulators_[i]->simulate(complete.middleRows(from, to - from),
+                                          row_after(first, from), limited);
     });
     return parts;
   }
@@ -144,15 +138,12 @@ class ProgramRowSimulator final : public RowSimulator {
   std::vector<std::unique_ptr<ExternalSimulator>> simulators_;
 };
 
-const std::string& command_of(const ExternalConfig& external) {
-  return external.worker ? *external.worker : *external.command;
-}
-
 class ProgramSource final : public Source {
  public:
   explicit ProgramSource(const Study& study)
       : Source(study),
-        named_(named_paths(command_of(study.external), study.external.folder),
+        named_(named_paths(study.external.worker.value_or(study.external.command.value_or("")),
+                           study.external.folder),
                study.external.folder),
         further_(study.external.files, study.external.folder) {}
 

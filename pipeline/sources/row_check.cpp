@@ -1,12 +1,12 @@
-#include "pipeline/sources/row_check.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 #include "core/error.h"
+#include "pipeline/sources/first_rows.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -51,42 +51,26 @@ class RowDistance {
   Eigen::Array<bool, Eigen::Dynamic, 1> varies_;
 };
 
-bool is_good(const sim::Trajectories& rows, Index i) {
-  return rows.status[static_cast<std::size_t>(i)] == sim::RolloutStatus::ok;
+template <class Predicate>
+std::vector<Index> those_of(const std::vector<Index>& rows, const Predicate& predicate) {
+  std::vector<Index> some;
+  std::ranges::copy_if(rows, std::back_inserter(some), predicate);
+  return some;
 }
 
 std::vector<Index> good_rows(const sim::Trajectories& rows) {
-  std::vector<Index> good;
-  for (Index i = 0; i < rows.num_rows; ++i) {
-    if (is_good(rows, i)) good.push_back(i);
-  }
-  return good;
+  std::vector<Index> all(static_cast<std::size_t>(rows.num_rows));
+  std::iota(all.begin(), all.end(), Index{0});
+  return those_of(all, [&](Index i) { return rows.is_ok(i); });
 }
 
 // Rows that no other is equal to: where they come from can be told. All, where they are too few.
 std::vector<Index> telling_rows(const sim::Trajectories& rows, const std::vector<Index>& good) {
-  std::vector<Index> telling;
-  std::ranges::copy_if(good, std::back_inserter(telling), [&](Index i) {
+  const auto telling = those_of(good, [&](Index i) {
     return std::ranges::none_of(
         good, [&](Index j) { return i != j && std::ranges::equal(rows.row(i), rows.row(j)); });
   });
   return std::ssize(telling) < kMostRepeated ? good : telling;
-}
-
-StreamId stream_of(const GivenRows& rows, Index i) {
-  StreamId id = rows.first;
-  id.row += static_cast<std::uint64_t>(i);
-  return id;
-}
-
-// Rows of the call that are the same numbers as row 0 of `again`, but for how they were rounded.
-std::vector<Index> rows_like(const sim::Trajectories& again, const GivenRows& rows,
-                             const std::vector<Index>& good, const RowDistance& distance) {
-  std::vector<Index> alike;
-  std::ranges::copy_if(good, std::back_inserter(alike), [&](Index j) {
-    return distance(again.row(0), rows.result.row(j)) < kIdentical;
-  });
-  return alike;
 }
 
 // Whether rows are the same again. Random numbers that aren't the row's own are no other order,
@@ -98,10 +82,13 @@ bool are_repeatable(RowSimulator& simulator, const GivenRows& rows, const std::v
   for (Index k = 1; k <= kMostRepeated && (k <= kRepeated || num_changed > 0); ++k) {
     const Index i =
         telling[static_cast<std::size_t>((k * std::ssize(telling) - 1) / kMostRepeated)];
-    const sim::Trajectories again = simulator.simulate(rows.complete.row(i), stream_of(rows, i));
-    const bool failed = !is_good(again, 0);  // which is counted elsewhere
+    const sim::Trajectories again =
+        simulator.simulate(rows.complete.row(i), row_after(rows.first, i));
+    const bool failed = !again.is_ok(0);  // which is counted elsewhere
     if (failed || distance(again.row(0), rows.result.row(i)) < kSame) continue;
-    const std::vector<Index> alike = rows_like(again, rows, good, distance);
+    // The same numbers, but for how they were rounded.
+    const auto alike = those_of(
+        good, [&](Index j) { return distance(again.row(0), rows.result.row(j)) < kIdentical; });
     if (alike.empty()) return false;
     ++num_changed;
     if (alike.size() > 1) continue;
@@ -130,7 +117,7 @@ Noise noise_of(RowSimulator& simulator, const GivenRows& rows, Index i,
       simulator.simulate(rows.complete.row(i).replicate(2 * calls, 1), others);
   bool are_pairs_same = true, are_all_same = true;
   for (Index c = 0; c < 2 * calls; ++c) {
-    if (!is_good(x, c)) return Noise::own;
+    if (!x.is_ok(c)) return Noise::own;
     const bool is_same = distance(x.row(c), x.row(c - c % 2)) < kNoNoise;
     are_pairs_same = are_pairs_same && is_same;
     are_all_same = are_all_same && is_same && distance(x.row(c), rows.result.row(i)) < kNoNoise;

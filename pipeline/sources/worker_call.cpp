@@ -8,13 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
-#include <span>
 #include <vector>
 
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/process/worker_process.h"
-#include "pipeline/sources/command_text.h"
 #include "pipeline/sources/program_call.h"
 #include "pipeline/store/column_labels.h"
 #include "pipeline/store/hostile_json.h"
@@ -31,36 +29,6 @@ constexpr int kProtocol = 1;
 
 // Time that a program may take to load before it answers, at least.
 constexpr double kStartSeconds = 60.0;
-
-// Arrays of a message, and the header that says what they are.
-class Message {
- public:
-  explicit Message(Json header) : header_(std::move(header)) { header_["arrays"] = Json::array(); }
-
-  template <class T>
-  void add(const char* name, const char* type, const std::vector<Index>& shape,
-           std::span<const T> values) {
-    header_["arrays"].push_back({{"name", name}, {"type", type}, {"shape", shape}});
-    const auto bytes = std::as_bytes(values);
-    const auto* const begin = reinterpret_cast<const char*>(bytes.data());
-    body_.insert(body_.end(), begin, begin + bytes.size());
-  }
-  void add(const char* name, const RowMatrix& values) {
-    add<double>(name, "<f8", {values.rows(), values.cols()},
-                {values.data(), static_cast<std::size_t>(values.size())});
-  }
-
-  std::vector<char> bytes() const {
-    const std::string line = header_.dump() + "\n";
-    std::vector<char> all(line.begin(), line.end());
-    all.insert(all.end(), body_.begin(), body_.end());
-    return all;
-  }
-
- private:
-  Json header_;
-  std::vector<char> body_;
-};
 
 Json parse_header(const std::string& header) {
   Json json = json_in(header).value_or(Json());
@@ -188,25 +156,38 @@ class WorkerCall final : public ProgramCall {
 
   std::vector<char> request(const ProgramRows& rows) const {
     const sim::Segments& s = program_.segments;
-    const Index num_segments = s.num_segments();
     std::vector<std::string> parameters;
     for (const sim::Parameter& parameter : program_.info.parameters) {
       parameters.push_back(parameter.name);
     }
-    Message message({{"npdr_worker", kProtocol},
-                     {"request", "replay"},
-                     {"first_row", rows.first_row},
-                     {"dt", s.dt},
-                     {"parameters", parameters},
-                     {"states", labels_of(program_.info.state_channels)},
-                     {"actions", labels_of(program_.info.action_channels)}});
-    message.add("theta", rows.theta);
-    message.add<std::uint32_t>("seeds", "<u4", {rows.theta.rows()}, rows.seeds);
-    message.add<std::int64_t>("steps", "<i8", {num_segments}, s.steps);
-    message.add<std::int64_t>("past", "<i8", {num_segments}, s.past);
-    message.add("first_states", s.first_states);
-    message.add("actions", s.actions);
-    return message.bytes();
+    Json header = {{"npdr_worker", kProtocol},
+                   {"request", "replay"},
+                   {"first_row", rows.first_row},
+                   {"dt", s.dt},
+                   {"parameters", parameters},
+                   {"states", labels_of(program_.info.state_channels)},
+                   {"actions", labels_of(program_.info.action_channels)},
+                   {"arrays", Json::array()}};
+    std::vector<char> body;
+    const auto add = [&](const char* name, const char* type, const std::vector<Index>& shape,
+                         const auto& values) {
+      header["arrays"].push_back({{"name", name}, {"type", type}, {"shape", shape}});
+      const auto* const begin = reinterpret_cast<const char*>(values.data());
+      body.insert(body.end(), begin,
+                  begin + std::ssize(values) * std::ptrdiff_t{sizeof(*values.data())});
+    };
+    const auto add_matrix = [&](const char* name, const RowMatrix& values) {
+      add(name, "<f8", {values.rows(), values.cols()}, values);
+    };
+    add_matrix("theta", rows.theta);
+    add("seeds", "<u4", {rows.theta.rows()}, rows.seeds);
+    add("steps", "<i8", {s.num_segments()}, s.steps);
+    add("past", "<i8", {s.num_segments()}, s.past);
+    add_matrix("first_states", s.first_states);
+    add_matrix("actions", s.actions);
+    const std::string line = header.dump() + "\n";
+    body.insert(body.begin(), line.begin(), line.end());
+    return body;
   }
 
   // The size of what follows the header: states (n, N, C), then status (n). `message`: of a worker

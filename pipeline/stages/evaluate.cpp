@@ -6,7 +6,7 @@
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/features/targets.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/process/progress.h"

@@ -9,12 +9,11 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/features/failures.h"
-#include "pipeline/features/targets.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/sources/first_rows.h"
-#include "pipeline/sources/repeated_outlier.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {

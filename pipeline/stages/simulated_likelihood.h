@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "pipeline/features/observation.h"
-#include "pipeline/features/targets.h"
 #include "pipeline/predictions/left_out.h"
 #include "sim/noise_likelihood.h"
 

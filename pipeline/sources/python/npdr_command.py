@@ -43,7 +43,10 @@ def run(simulate):
             failures[i] = traceback.format_exception_only(type(error), error)[-1]
             traceback.print_exc()
     if failures:
-        _write_failures(failures)
+        with open(os.environ["NPDR_FAILED"], "wb") as file:
+            for row, why in failures.items():
+                words = " ".join(why.split()).encode("utf-8", "backslashreplace")
+                file.write(b"%d %s\n" % (row, words[:1000]))
     if lines:
         _write_x(lines, len(rows))
 
@@ -65,13 +68,6 @@ def _texts(x):
     if np.iscomplexobj(numbers):
         raise TypeError("simulate() returned complex numbers, must be real ones")
     return list(map(repr, numbers.astype(float).ravel().tolist()))
-
-
-def _write_failures(failures):
-    with open(os.environ["NPDR_FAILED"], "wb") as file:
-        for row, why in failures.items():
-            words = " ".join(why.split()).encode("utf-8", "backslashreplace")
-            file.write(b"%d %s\n" % (row, words[:1000]))
 
 
 def _write_x(lines, num_rows):

@@ -61,7 +61,9 @@ def serve(simulate, batch=False):
             continue
         arrays = {a["name"]: _read_array(a) for a in header["arrays"]}
         try:
-            _reply(header, *_replay(simulate, batch, header, arrays))
+            states, status, message = _replay(simulate, batch, header, arrays)
+            said = {"message": message} if message else {}
+            _write({"reply": "states", "shape": list(states.shape), **said}, states, status)
         except Exception:  # of the whole request; rows have theirs caught one by one
             traceback.print_exc()
             _write({"reply": "error", "message": _last_line()})
@@ -110,35 +112,29 @@ def _last_line():
     return "%s: %s" % (kind.__name__, error)
 
 
-def _reply(header, states, status, message):
-    shape = {"shape": list(states.shape)}
-    if message:
-        shape["message"] = message
-    _write({"reply": "states", **shape}, states, status)
-
-
 def _replay(simulate, batch, header, arrays):
     rows, steps = len(arrays["theta"]), int(arrays["steps"].sum())
     states = np.empty((rows, steps, len(header["states"])))
     status = np.full(rows, OK, np.uint8)
     message = ""
-    for segment in _segments(arrays):
+    ends = np.cumsum(arrays["steps"]).tolist()
+    for segment, (begin, end) in enumerate(zip([0] + ends, ends)):
+        first_state, actions = arrays["first_states"][segment], arrays["actions"][begin:end]
         if batch:
             columns = _Parameters(zip(header["parameters"], arrays["theta"].T.copy()))
-            shape = (rows, len(segment.actions), len(header["states"]))
-            part = _checked(simulate(columns, segment.first_state, segment.actions, header["dt"],
-                                     segment.seeds(arrays["seeds"])), shape)
+            shape = (rows, len(actions), len(header["states"]))
+            part = _checked(simulate(columns, first_state, actions, header["dt"],
+                                     _seeds_of(arrays["seeds"], segment)), shape)
             if shape[1] == steps:
                 return part, status, message
-            states[:, segment.slice] = part
+            states[:, begin:end] = part
             continue
         for row in np.flatnonzero(status == OK):
             theta = _Parameters(zip(header["parameters"], arrays["theta"][row].tolist()))
-            rng = _seeded(arrays["seeds"][row], segment.number)
+            rng = _seeded(arrays["seeds"][row], segment)
             try:
-                result = simulate(theta, segment.first_state.copy(), segment.actions.copy(),
-                                  header["dt"], rng)
-                states[row, segment.slice] = _checked(result, states[row, segment.slice].shape)
+                result = simulate(theta, first_state.copy(), actions.copy(), header["dt"], rng)
+                states[row, begin:end] = _checked(result, states[row, begin:end].shape)
             except Exception:
                 if not message:
                     traceback.print_exc()
@@ -153,23 +149,11 @@ class _Parameters(dict):
         raise KeyError("the study has no parameter '%s'; it has %s" % (name, ", ".join(self)))
 
 
-class _Segment:
-    def __init__(self, number, begin, end, arrays):
-        self.number, self.slice = number, slice(begin, end)
-        self.first_state = arrays["first_states"][number]
-        self.actions = arrays["actions"][begin:end]
-
-    def seeds(self, seeds):
-        """Seeds of the rows, others for each segment: noise mustn't repeat itself."""
-        mixed = seeds.astype(np.uint64) + np.uint64(self.number * 0x9E3779B97F4A7C15 % 2**64)
-        mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        return ((mixed ^ (mixed >> np.uint64(27))) >> np.uint64(33)).astype(np.uint32)
-
-
-def _segments(arrays):
-    ends = np.cumsum(arrays["steps"]).tolist()
-    return [_Segment(s, begin, end, arrays)
-            for s, (begin, end) in enumerate(zip([0] + ends, ends))]
+def _seeds_of(seeds, segment):
+    """Seeds of the rows, others for each segment: noise mustn't repeat itself."""
+    mixed = seeds.astype(np.uint64) + np.uint64(segment * 0x9E3779B97F4A7C15 % 2**64)
+    mixed = (mixed ^ (mixed >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    return ((mixed ^ (mixed >> np.uint64(27))) >> np.uint64(33)).astype(np.uint32)
 
 
 def _checked(result, shape):

@@ -6,7 +6,6 @@
 #include "core/shell_text.h"
 #include "pipeline/apps/command_line.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/sources/command_text.h"
 #include "pipeline/store/artefact.h"
 #include "tests/temp_folder.h"
 

@@ -9,7 +9,7 @@
 #include "core/error.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/sample_set.h"
-#include "pipeline/sources/dataset_rows.h"
+#include "pipeline/sources/source.h"
 #include "pipeline/store/h5.h"
 #include "tests/pipeline/store/written_h5.h"
 #include "tests/temp_folder.h"

@@ -1,7 +1,6 @@
 
 #include "core/constants.h"
-#include "pipeline/features/row_store.h"
-#include "pipeline/features/series_summary.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/features/simulation_features.h"
 #include "tests/temp_folder.h"
 

@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "pipeline/config/simulator_info.h"
-#include "pipeline/sources/row_simulator.h"
+#include "pipeline/sources/source.h"
 #include "pipeline/store/h5.h"
 #include "tests/temp_folder.h"
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/constants.h"
+#include "core/random.h"
 #include "tests/message_of.h"
 #include "tests/words_of.h"
 
@@ -107,6 +108,74 @@ TEST(RepeatedRows, DontCountFailures) {
   RowMatrixF x = with_zeros(3);
   for (float& value : x.col(0)) value = value == 0.0f ? kFloatNaN : value;
   EXPECT_EQ(words_of(find_same_rows(theta(64), x)), "");
+}
+
+const std::vector<Channel> kColumns = {{"far", "m"}, {"near", "m"}};
+
+RowMatrix varying(double mean, double deviation) {
+  RowMatrix x(20, 2);
+  for (Index i = 0; i < x.rows(); ++i) {
+    x.row(i) << mean + (i % 2 == 0 ? deviation : -deviation), static_cast<double>(i);
+  }
+  return x;
+}
+
+TEST(Precision, SaysWhichColumnsFloatsCantTellApart) {
+  EXPECT_TRUE(says(words_of(find_lost_precision(varying(1e8, 1.5), kColumns)),
+                   {"single precision", "'far' by 1.5 about 1e+08", "subtract an offset"}));
+  EXPECT_FALSE(has(words_of(find_lost_precision(varying(1e8, 1.5), kColumns)), "'near'"));
+  EXPECT_NE(words_of(find_lost_precision(varying(0.0, 1e-37), kColumns)), "");
+  EXPECT_NE(words_of(find_lost_precision(varying(0.0, 1e-300), kColumns)), "")
+      << "whose square is 0";
+  RowMatrix partly_lost = varying(1e8, 1.5);
+  partly_lost(3, 1) = kNaN;
+  EXPECT_NE(words_of(find_lost_precision(partly_lost, kColumns)), "");
+}
+
+TEST(Precision, SaysNothingOfConstantsAndOfWhatFloatsHold) {
+  EXPECT_EQ(words_of(find_lost_precision(varying(1e8, 1000.0), kColumns)), "");
+  EXPECT_EQ(words_of(find_lost_precision(varying(0.0, 1e-30), kColumns)), "");
+  EXPECT_EQ(words_of(find_lost_precision(varying(0.1, 0.0), kColumns)), "");
+  EXPECT_EQ(words_of(find_lost_precision(varying(0.1, 1e-16), kColumns)), "");
+  EXPECT_EQ(words_of(find_lost_precision(varying(1e8, 1.5).topRows(7), kColumns)), "");
+}
+
+class RepeatedOutlier : public testing::Test {
+ protected:
+  // 64 rows of two standard normal columns.
+  RepeatedOutlier() : x_(64, 2) {
+    Stream stream({1, "test", 0, 0, 0});
+    for (float& value : x_.reshaped()) value = static_cast<float>(stream.normal());
+  }
+
+  // Of two blocks.
+  std::string found() const {
+    RepeatedOutliers outliers(2);
+    outliers.observe(x_.topRows(40));
+    outliers.observe(x_.bottomRows(24));
+    return words_of(outliers.find({{"total", "1"}, {"peak", "m"}}));
+  }
+
+  RowMatrixF x_;
+};
+
+TEST_F(RepeatedOutlier, AreNamedWithTheirNumber) {
+  x_(3, 1) = x_(40, 1) = x_(41, 1) = -999.0f;
+  EXPECT_TRUE(says(found(), {"'peak' is -999 in 3 of 64 rows", "write NaN"}));
+  x_(3, 1) = x_(40, 1) = x_(41, 1) = 1e30f;
+  EXPECT_TRUE(says(found(), {"'peak' is 1e+30 in 3 of 64 rows"}));
+}
+
+TEST_F(RepeatedOutlier, AreNoneOfWhatMeasurementsDo) {
+  EXPECT_EQ(found(), "");
+  x_(3, 1) = 50.0f;
+  EXPECT_EQ(found(), "") << "a heavy tail doesn't repeat itself";
+  x_.col(0) = x_.col(0).cwiseMax(-0.5f);
+  EXPECT_EQ(found(), "") << "a sensor that is clipped";
+  for (Index i = 0; i < 64; ++i) x_(i, 0) = i % 2 == 0 ? 0.0f : 1.0f;
+  EXPECT_EQ(found(), "") << "a bit";
+  x_.col(0).setConstant(kFloatNaN);
+  EXPECT_EQ(found(), "") << "nothing there";
 }
 
 }  // namespace

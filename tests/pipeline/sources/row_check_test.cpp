@@ -1,4 +1,4 @@
-#include "pipeline/sources/row_check.h"
+#include "pipeline/sources/first_rows.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 #include "pipeline/artefacts/policy_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/features/targets.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/run/run_stage.h"
 #include "pipeline/stages/stages.h"

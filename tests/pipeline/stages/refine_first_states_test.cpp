@@ -6,7 +6,7 @@
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
-#include "pipeline/features/targets.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/run/run_stage.h"
 #include "sim/observation_noise.h"
 #include "tests/pipeline/small_study.h"

@@ -10,7 +10,6 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/features/observation.h"
-#include "pipeline/features/targets.h"
 #include "pipeline/findings/data.h"
 #include "pipeline/predictions/left_out.h"
 #include "pipeline/predictions/scores.h"

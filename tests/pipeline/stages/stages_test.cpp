@@ -7,7 +7,6 @@
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/features/observation.h"
-#include "pipeline/features/targets.h"
 #include "pipeline/findings/data.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/report/registry.h"
