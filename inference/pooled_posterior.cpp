@@ -199,7 +199,7 @@ double PooledPosterior::missed_share() const {
   const StreamId id{parts().structure_seed, "pool_missed", 0, 0, 0};
   const double log_z = log_normalizer();
   return inference::missed_share(
-      prior().to_normal(sample(kCandidates, id)),
+      prior().to_normal(sample(kGroup, id)),
       [&](const RowMatrix& u) -> ComparedDensities {
         PoolEvidence here = evidence(prior().to_theta(u));
         return {here.posterior + here.log_weights(powers()) - Vector::Constant(u.rows(), log_z),
