@@ -1,5 +1,3 @@
-#include "pipeline/import/csv_times.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/quantile.h"
+#include "pipeline/import/csv_rows.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -1,5 +1,3 @@
-#include "pipeline/import/rate_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,8 +7,8 @@
 #include <optional>
 
 #include "core/text.h"
-#include "pipeline/import/angle_wraps.h"
-#include "pipeline/import/glitches.h"
+#include "pipeline/import/jumps.h"
+#include "pipeline/import/rate_check.h"
 
 namespace npdr::pipeline {
 namespace {
