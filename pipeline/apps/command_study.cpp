@@ -13,7 +13,7 @@
 #include "pipeline/apps/trial_rows.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/check.h"
-#include "pipeline/config/rollout_check.h"
+#include "pipeline/config/study_check.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_template.h"
 #include "pipeline/plan/shards.h"

@@ -46,6 +46,9 @@ std::string type_name() {
 }
 
 /// "{ uniform = [low, high] }, ...": what a prior's entry must be.
-std::string marginal_words();
+inline std::string marginal_words() {
+  return "{ uniform = [low, high] }, { log_uniform = [low, high] }, { normal = [mean, std] } or "
+         "{ log_normal = [mean of log, std of log] }, of finite numbers";
+}
 
 }  // namespace npdr::pipeline

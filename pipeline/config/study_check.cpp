@@ -9,8 +9,8 @@
 #include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/check.h"
 #include "pipeline/config/field_constraints.h"
-#include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/config/study_check.h"
 #include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
@@ -25,7 +25,7 @@ class StudyChecker : Checker {
 
   void check() {
     check_source(study_, info_, reading_);
-    check_noise(study_, info_, reading_);
+    check_noise();
     check_target();
     check_values("simulator.parameters", study_.simulator.parameters);
     for (Marginal& marginal : prior_) check_marginal(marginal);
@@ -56,13 +56,41 @@ class StudyChecker : Checker {
     }
   }
 
+  void check_noise() {
+    const ObservationNoise& noise = study_.observation_noise;
+    const std::string path = "observation_noise.std", member = path + ".";
+    must_be_left_out(unused_fields(fields_of(noise), "observation_noise"));
+    if (!noise.is_silent() && !study_.source().gives_motion) {
+      must_be_left_out({"observation_noise.correlation", "observation_noise.correlation_prior"},
+                       "the simulator gives features, which have no neighbors in time");
+    }
+    if (!noise.std) return;
+    auto labels = info_ ? labels_of(info_->state_channels) : std::vector<std::string>();
+    for (const auto& [label, deviation] : *noise.std) {
+      require(member + label, deviation, deviation >= 0.0, ">= 0");
+      if (labels.empty()) continue;  // features may not be known yet
+      require_known(member + label, path, "channel", label, labels);
+    }
+    // The likelihood of a refinement is that of every channel's noise.
+    const auto refines = [](const MethodConfig& method) {
+      return method.algorithm.kind == inference::Algorithm::refine;
+    };
+    if (std::ranges::none_of(study_.methods, refines)) return;
+    const std::string needed = "algorithm 'refine' needs noise in each channel";
+    for (const auto& [label, deviation] : *noise.std) {
+      require(member + label, deviation, deviation != 0.0, "> 0: " + needed);
+      std::erase(labels, label);
+    }
+    if (labels.empty() || noise.scale > 0.0 || noise.scale_prior) return;
+    reading_.reject(path, "without " + join(labels),
+                    "of all channels, or beside a scale or scale_prior of the others: " + needed);
+  }
+
   void check_target() {
     const TargetConfig& target = study_.target;
-    const bool gives_motion = study_.source().gives_motion;
     if (target.truth) check_values("target.truth", *target.truth);
-    if (!gives_motion) return;
-    const bool is_readable = reading_.good("target.recording") && reading_.good("target.truth");
-    if (is_readable &&
+    if (!study_.source().gives_motion) return;
+    if (reading_.good("target.recording") && reading_.good("target.truth") &&
         !require_one_of("target", target.recording.has_value(), "recording = \"file.h5\"",
                         target.truth.has_value(), "truth = { parameter = value }")) {
       return;
@@ -79,7 +107,7 @@ class StudyChecker : Checker {
   }
 
   void require_recording(const std::string& path, const std::string& file) {
-    constexpr const char* words = "an existing HDF5 file; 'npdr import' makes one of CSV files";
+    const std::string words = "an existing HDF5 file; 'npdr import' makes one of CSV files";
     if (require(path, file, !file.ends_with(".csv"), words)) require_file(path, file, words);
   }
 
@@ -97,9 +125,8 @@ class StudyChecker : Checker {
   void check_marginal(Marginal& marginal) {
     const std::string path = "prior." + marginal.name;
     if (study_.simulator.parameters.contains(marginal.name)) {
-      fail(path, fmt::format("'{}' is in the prior and in simulator.parameters, must be in one of "
-                             "them",
-                             marginal.name));
+      fail(path, "'" + marginal.name +
+                     "' is in the prior and in simulator.parameters, must be in one of them");
     }
     if (!info_) return;
     const sim::Parameter* parameter = find_parameter(path, "prior", marginal.name);

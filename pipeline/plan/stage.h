@@ -5,7 +5,7 @@
 #include <array>
 
 #include "core/enum_names.h"
-#include "pipeline/config/cluster_config.h"
+#include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
 

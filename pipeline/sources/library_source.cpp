@@ -1,6 +1,6 @@
 #include <memory>
 
-#include "pipeline/config/library_config.h"
+#include "pipeline/config/simulator_info.h"
 #include "pipeline/sources/file_hashes.h"
 #include "pipeline/sources/source_kinds.h"
 #include "pipeline/store/hash.h"

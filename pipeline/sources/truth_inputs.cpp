@@ -5,7 +5,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/artefacts/recording.h"
-#include "pipeline/config/rollout_check.h"
+#include "pipeline/config/study_check.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -7,7 +7,7 @@
 #include "pipeline/artefacts/policy_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/config/rollout_check.h"
+#include "pipeline/config/study_check.h"
 #include "pipeline/features/targets.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"
