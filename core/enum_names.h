@@ -52,6 +52,21 @@ std::vector<std::string> names_of() {
   return names;
 }
 
+/// All values, in the documented order.
+template <NamedEnum E>
+std::vector<E> values_of() {
+  std::vector<E> values;
+  for (const auto& row : enum_table(E{})) values.push_back(row.value);
+  return values;
+}
+
+template <NamedEnum E>
+std::vector<std::string> to_names(const std::vector<E>& values) {
+  std::vector<std::string> names;
+  for (const E value : values) names.push_back(name_of(value));
+  return names;
+}
+
 /// The value of that name or other spelling; none for an unknown one.
 template <NamedEnum E>
 std::optional<E> value_named(std::string_view name) {

@@ -9,7 +9,6 @@
 
 #include "core/text.h"
 #include "pipeline/config/check.h"
-#include "pipeline/config/enum_lists.h"
 #include "pipeline/config/metric.h"
 
 namespace npdr::pipeline {

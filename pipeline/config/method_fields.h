@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/config/choice_field.h"
 #include "pipeline/config/field_constraints.h"
 #include "pipeline/config/field_types.h"
 #include "pipeline/config/field_use.h"

@@ -1,7 +1,8 @@
 /// Metrics that simulations are measured by, against the target.
 #pragma once
 
-#include <span>
+#include <fmt/format.h>
+
 #include <string>
 
 #include "core/enum_names.h"
@@ -24,7 +25,25 @@ struct MetricTraits : EnumRow<Metric> {
 };
 
 /// Every metric, in the documented order.
-std::span<const MetricTraits> enum_table(Metric);
-const MetricTraits& traits_of(Metric metric);
+constexpr auto enum_table(Metric) {
+  using enum Metric;
+  using Info = sim::SimulatorInfo;
+  return std::to_array<MetricTraits>({
+      {{dtw, "dtw"}, [](const Info&) -> std::string { return "DTW dist."; }},
+      {{rmse, "rmse"}, [](const Info&) -> std::string { return "RMSE"; }},
+      {{final_error, "final_error"},
+       [](const Info& i) {
+         return fmt::format("Final error [{}]", i.state_channels.front().unit);
+       }},
+      {{goal, "goal"}, [](const Info& i) { return fmt::format("P({})", i.goal->description); }},
+      {{distance, "distance"},
+       [](const Info&) -> std::string { return "Distance to x_o [prior std]"; }},
+  });
+}
+
+inline MetricTraits traits_of(Metric metric) {
+  const auto all = enum_table(metric);
+  return *std::ranges::find(all, metric, &MetricTraits::value);
+}
 
 }  // namespace npdr::pipeline

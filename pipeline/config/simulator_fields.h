@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/config/choice_field.h"
 #include "pipeline/config/external_config.h"
 #include "pipeline/config/field_types.h"
 #include "pipeline/config/field_use.h"

@@ -38,14 +38,13 @@ fs::path mujoco_library() {
 // prior, all that the model has.
 nlohmann::ordered_json mujoco_settings(const Study& study) {
   std::set<std::string> parameters;
+  const auto add_names = [&](const std::map<std::string, double>& values) {
+    for (const auto& [name, value] : values) parameters.insert(name);
+  };
   for (const inference::Marginal& marginal : study.prior) parameters.insert(marginal.name);
-  for (const auto& [name, value] : study.simulator.parameters) parameters.insert(name);
-  if (study.target.truth) {
-    for (const auto& [name, value] : *study.target.truth) parameters.insert(name);
-  }
-  for (const ReferenceConfig& reference : study.references) {
-    for (const auto& [name, value] : reference.parameters) parameters.insert(name);
-  }
+  add_names(study.simulator.parameters);
+  if (study.target.truth) add_names(*study.target.truth);
+  for (const ReferenceConfig& reference : study.references) add_names(reference.parameters);
   return {{"model", fs::absolute(*study.external.mjcf).string()},
           {"parameters",
            parameters.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(parameters)},

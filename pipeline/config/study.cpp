@@ -70,14 +70,12 @@ const MethodConfig& Study::method(const std::string& method_name) const {
   throw InputError(unknown_name("method", method_name, names));
 }
 
-std::string Study::why_unchecked(Check check, const MethodConfig& method) const {
-  return traits_of(check).why_unchecked(*this, method);
-}
-
 DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
   DiagnoseConfig config = diagnose;
   if (!infers(method)) config.checks.clear();
-  std::erase_if(config.checks, [&](Check check) { return !why_unchecked(check, method).empty(); });
+  std::erase_if(config.checks, [&](Check check) {
+    return !traits_of(check).why_unchecked(*this, method).empty();
+  });
   return config;
 }
 

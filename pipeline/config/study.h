@@ -19,7 +19,6 @@
 #include "inference/prior.h"
 #include "inference/samplers/importance_config.h"
 #include "inference/training_config.h"
-#include "pipeline/config/enum_lists.h"
 #include "pipeline/config/external_config.h"
 #include "pipeline/config/metric.h"
 #include "pipeline/config/places.h"
@@ -228,8 +227,6 @@ struct Study {
   /// Throws InputError with the nearest name when no method is called `method_name`.
   const MethodConfig& method(const std::string& method_name) const;
 
-  /// Why a check means nothing to a method that infers, for people; "": it does mean something.
-  std::string why_unchecked(Check check, const MethodConfig& method) const;
   /// The checks that mean something to a method.
   DiagnoseConfig diagnose_of(const MethodConfig& method) const;
 

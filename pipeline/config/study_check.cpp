@@ -37,7 +37,10 @@ class StudyChecker : Checker {
     check_references();
     check_goal();
     check_metrics();
-    check_held_out();
+    // Which rollouts are held out is a count from the first that inference sees.
+    require("target.num_rollouts", study_.target.num_rollouts,
+            study_.target.held_out == 0 || study_.target.num_rollouts > 0,
+            ">= 1 with held_out: the rollouts after those are held out", {"target.held_out"});
     check_report();
     check_policy(study_, info_, reading_);
     check_cluster();
@@ -206,14 +209,6 @@ class StudyChecker : Checker {
     }
   }
 
-  // Which rollouts are held out is a count from the first that inference sees.
-  void check_held_out() {
-    const TargetConfig& target = study_.target;
-    require("target.num_rollouts", target.num_rollouts,
-            target.held_out == 0 || target.num_rollouts > 0,
-            ">= 1 with held_out: the rollouts after those are held out", {"target.held_out"});
-  }
-
   // A job would be asked to stop before it has begun.
   void check_cluster() {
     const ClusterConfig& cluster = study_.cluster;
@@ -276,21 +271,15 @@ class StudyChecker : Checker {
   std::vector<Marginal>& prior_;
 };
 
-// Needs nothing but the name.
-std::optional<sim::SimulatorInfo> load_simulator(const Study& study, Reading& reading) {
-  if (!has_source(study, reading)) return std::nullopt;
-  try {
-    return simulator_info(study);
-  } catch (const InputError& error) {  // of a library, or a model of MuJoCo
-    reading.fail(study.external.mjcf ? "simulator.mjcf" : "simulator.library", error.what());
-    return std::nullopt;
-  }
-}
-
 }  // namespace
 
 void check_study(Study& study, Reading& reading) {
-  const std::optional<sim::SimulatorInfo> info = load_simulator(study, reading);
+  std::optional<sim::SimulatorInfo> info;
+  try {
+    if (has_source(study, reading)) info = simulator_info(study);
+  } catch (const InputError& error) {  // of a library, or a model of MuJoCo
+    reading.fail(study.external.mjcf ? "simulator.mjcf" : "simulator.library", error.what());
+  }
   StudyChecker(study, info ? &*info : nullptr, reading).check();
 }
 

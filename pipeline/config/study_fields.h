@@ -14,7 +14,6 @@
 #include "analysis/pair_plot.h"
 #include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/check.h"
-#include "pipeline/config/choice_field.h"
 #include "pipeline/config/field_constraints.h"
 #include "pipeline/config/field_types.h"
 #include "pipeline/config/field_use.h"

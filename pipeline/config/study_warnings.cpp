@@ -117,7 +117,7 @@ Findings find_checks_left_out(const Subject& s) {
   for (const Check check : s.study.diagnose.checks) {
     std::vector<std::string> reasons;  // "" of a method that can be
     for (const MethodConfig& method : s.study.methods) {
-      if (infers(method)) reasons.push_back(s.study.why_unchecked(check, method));
+      if (infers(method)) reasons.push_back(traits_of(check).why_unchecked(s.study, method));
     }
     if (reasons.empty() || std::ranges::count(reasons, "") > 0) continue;
     left_out[reasons.front()].push_back(name_of(check));

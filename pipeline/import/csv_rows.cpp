@@ -214,14 +214,6 @@ std::vector<Channel> channels_of_columns(const std::vector<Column>& columns) {
   return channels;
 }
 
-std::vector<RatePair> lacking_rates(const std::vector<Column>& states) {
-  std::vector<RatePair> pairs = rate_pairs(channels_of_columns(states));
-  std::erase_if(pairs, [&](const RatePair& pair) {
-    return states[static_cast<std::size_t>(pair.rate)].index.has_value();
-  });
-  return pairs;
-}
-
 RowMatrix matrix(const std::vector<double>& values, Index rows, std::size_t width) {
   return Eigen::Map<const RowMatrix>(values.data(), rows, static_cast<Index>(width));
 }
@@ -242,7 +234,10 @@ CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& optio
   rows.name = table.name();
   rows.states = channels_of_columns(columns.states);
   rows.actions = channels_of_columns(columns.actions);
-  rows.lacking = lacking_rates(columns.states);
+  rows.lacking = rate_pairs(rows.states);
+  std::erase_if(rows.lacking, [&](const RatePair& pair) {
+    return columns.states[static_cast<std::size_t>(pair.rate)].index.has_value();
+  });
   if (columns.time) {
     rows.time = columns.time->channel.label;
     rows.time_place = fmt::format("column {} '{}'", *columns.time->index + 1, rows.time);

@@ -69,38 +69,6 @@ std::vector<Index> jumps_of(const Vector& angle, double period) {
   return rows;
 }
 
-Index position_of(const std::vector<Channel>& states, const std::string& label) {
-  const auto state = std::ranges::find(states, label, &Channel::label);
-  if (state != states.end()) return state - states.begin();
-  throw InputError("--unwrap: " + unknown_name("state", label, labels_of(states)));
-}
-
-Findings turns_of(const Target& recording, Index c) {
-  const auto& [label, unit] = recording.state_channels[static_cast<std::size_t>(c)];
-  std::string first;
-  bool are_degrees = false;
-  Index num_jumps = 0, num_rollouts = 0;
-  for (const Rollout& rollout : recording.rollouts) {
-    const Vector angle = rollout.states.col(c);
-    const auto [period, rows] = find_jumps(angle, unit);
-    if (rows.empty()) continue;
-    if (num_jumps == 0) {
-      const Index t = rows.front();
-      first = fmt::format("{}: {} jumps by {:.4g} after row {}", rollout.name, label,
-                          angle(t + 1) - angle(t), t + 1);
-      are_degrees = unit == "rad" && period == kDegrees;
-    }
-    num_jumps += std::ssize(rows);
-    ++num_rollouts;
-  }
-  if (num_jumps == 0) return {};
-  return {
-      warning(fmt::format("{} ({} in {}), a whole turn{}: it wraps; add {}--unwrap {}", first,
-                          counted(num_jumps, "such jump"), counted(num_rollouts, "rollout"),
-                          are_degrees ? " of degrees, though its unit says [rad]" : "",
-                          are_degrees ? fmt::format("--scale {}=0.0174533 ", label) : "", label))};
-}
-
 double usual_range(Vector values) {
   std::sort(values.begin(), values.end());
   const Index outer = std::max<Index>(values.size() / 100, 1);
@@ -147,22 +115,52 @@ Index unwrap(Eigen::Ref<Vector, 0, Eigen::InnerStride<>> angle, double period) {
 
 Findings find_turns(const Target& recording) {
   Findings found;
-  for (Index c = 0; c < recording.num_states(); ++c) append(found, turns_of(recording, c));
+  for (Index c = 0; c < recording.num_states(); ++c) {
+    const auto& [label, unit] = recording.state_channels[static_cast<std::size_t>(c)];
+    std::string first;
+    bool are_degrees = false;
+    Index num_jumps = 0, num_rollouts = 0;
+    for (const Rollout& rollout : recording.rollouts) {
+      const Vector angle = rollout.states.col(c);
+      const auto [period, rows] = find_jumps(angle, unit);
+      if (rows.empty()) continue;
+      if (num_jumps == 0) {
+        const Index t = rows.front();
+        first = fmt::format("{}: {} jumps by {:.4g} after row {}", rollout.name, label,
+                            angle(t + 1) - angle(t), t + 1);
+        are_degrees = unit == "rad" && period == kDegrees;
+      }
+      num_jumps += std::ssize(rows);
+      ++num_rollouts;
+    }
+    if (num_jumps == 0) continue;
+    found.push_back(warning(
+        fmt::format("{} ({} in {}), a whole turn{}: it wraps; add {}--unwrap {}", first,
+                    counted(num_jumps, "such jump"), counted(num_rollouts, "rollout"),
+                    are_degrees ? " of degrees, though its unit says [rad]" : "",
+                    are_degrees ? fmt::format("--scale {}=0.0174533 ", label) : "", label)));
+  }
   return found;
 }
 
 Findings unwrap_turns(Target& recording, const std::vector<std::string>& labels) {
   Findings found;
   for (const std::string& label : labels) {
-    const Index c = position_of(recording.state_channels, label);
-    const std::string& unit = recording.state_channels[static_cast<std::size_t>(c)].unit;
+    const std::vector<Channel>& states = recording.state_channels;
+    const auto state = std::ranges::find(states, label, &Channel::label);
+    if (state == states.end()) {
+      throw InputError("--unwrap: " + unknown_name("state", label, labels_of(states)));
+    }
+    const std::string& unit = state->unit;
     const std::optional<double> turn = turn_in(unit);
     if (!turn) {
       throw InputError(
           fmt::format("--unwrap {}: it is in [{}], must be in [rad] or [deg]", label, unit));
     }
     Index count = 0;
-    for (Rollout& rollout : recording.rollouts) count += unwrap(rollout.states.col(c), *turn);
+    for (Rollout& rollout : recording.rollouts) {
+      count += unwrap(rollout.states.col(state - states.begin()), *turn);
+    }
     found.push_back(note(
         fmt::format("unwrapped {}: {} of a whole turn taken out", label, counted(count, "jump"))));
   }

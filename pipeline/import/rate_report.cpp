@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "pipeline/import/jumps.h"
 #include "pipeline/import/rate_check.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -111,9 +112,8 @@ bool is_slope(const Target& target, Index rate, Index position) {
 // its position. "": neither.
 std::string words_of_swap(const Target& target, const std::vector<RatePair>& pairs,
                           const RatePair& pair) {
-  const auto label = [&](Index c) {
-    return target.state_channels[static_cast<std::size_t>(c)].label;
-  };
+  const auto labels = labels_of(target.state_channels);
+  const auto label = [&](Index c) { return labels[static_cast<std::size_t>(c)]; };
   if (is_slope(target, pair.position, pair.rate)) {
     return fmt::format("{} is the slope of {}: the two columns are swapped; correct the header",
                        label(pair.position), label(pair.rate));

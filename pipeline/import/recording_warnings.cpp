@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 
 #include "pipeline/import/jumps.h"
 #include "pipeline/import/rate_check.h"
@@ -32,7 +31,7 @@ bool is_computed(const Rollout& rollout, const RatePair& pair, double dt) {
 
 std::vector<RatePair> measured_pairs(const Target& recording) {
   std::vector<RatePair> pairs = rate_pairs(recording.state_channels);
-  std::ranges::copy(likely_rate_pairs(recording.state_channels), std::back_inserter(pairs));
+  append(pairs, likely_rate_pairs(recording.state_channels));
   std::erase_if(pairs, [&](const RatePair& pair) {
     return is_computed(recording.rollouts.front(), pair, recording.dt);
   });
