@@ -13,7 +13,7 @@
 #include "pipeline/apps/trial_rows.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/check.h"
-#include "pipeline/config/rollout_check.h"
+#include "pipeline/config/study_check.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_keys.h"
 #include "pipeline/plan/completeness.h"
@@ -40,7 +40,7 @@ void print_calibration(const Plan& plan) {
   }
   if (num_posteriors == 0) {
     const bool could_be = std::ranges::any_of(plan.study.methods, [&](const MethodConfig& method) {
-      return plan.study.why_unchecked(Check::coverage, method).empty();
+      return traits_of(Check::coverage).why_unchecked(plan.study, method).empty();
     });
     fmt::print("calibration isn't checked{}\n",
                could_be ? "; a table [diagnose] in the study checks it" : "");

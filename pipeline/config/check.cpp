@@ -4,6 +4,14 @@
 
 namespace npdr::pipeline {
 
+std::string CheckTraits::why_unchecked(const Study& study, const MethodConfig& method) const {
+  for (WhyUnchecked* const need : needs) {
+    const std::string why = need == nullptr ? "" : need(study, method);
+    if (!why.empty()) return why;
+  }
+  return "";
+}
+
 using inference::AlgorithmFamily;
 
 std::string needs_simulator(const Study& study, const MethodConfig& /*method*/) {

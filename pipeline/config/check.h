@@ -57,6 +57,9 @@ struct CheckKind {
 /// Everything about a check but what it says of results.
 struct CheckTraits : EnumRow<Check>, CheckKind {
   std::string_view title, question;
+
+  /// Why it means nothing to a method, by the first of its needs that isn't met; "": it does.
+  std::string why_unchecked(const Study& study, const MethodConfig& method) const;
 };
 
 /// Every check, in the documented order.

@@ -93,7 +93,6 @@ class Checker {
 
 /// Rules of parts, and between them and the simulator.
 void check_source(const Study& study, const sim::SimulatorInfo* info, Reading& reading);
-void check_noise(const Study& study, const sim::SimulatorInfo* info, Reading& reading);
 void check_method(const Study& study, std::size_t i, const sim::SimulatorInfo* info,
                   Reading& reading);
 void check_policy(const Study& study, const sim::SimulatorInfo* info, Reading& reading);

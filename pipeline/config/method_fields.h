@@ -2,9 +2,11 @@
 /// of study_fields.h, which says what a description is.
 #pragma once
 
-#include "pipeline/config/constraint.h"
-#include "pipeline/config/study_json.h"
+#include <fmt/format.h>
 
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/study.h"
+#include "pipeline/config/study_json.h"
 namespace npdr::pipeline {
 
 template <class Fields>
@@ -119,9 +121,19 @@ void describe(Fields& f, RefineConfig& c) {
     "in all, at most; at least three levels");
 }
 
+/// A table with the fields of `part`.
+template <class Fields, class Part>
+void table(Fields& f, const char* key, Part& part, const char* doc, const FieldUse& use = {}) {
+  f.table(
+      key, doc, [&](auto& t) { describe(t, part); }, use);
+}
+
 /// Use of a setting that not all algorithms read: `reads` says whether this one does.
-FieldUse use_of_algorithm(inference::Algorithm algorithm, bool reads,
-                          Affects affects = Affects::results);
+inline FieldUse use_of_algorithm(inference::Algorithm algorithm, bool reads,
+                                 Affects affects = Affects::results) {
+  const std::string why = fmt::format("it means nothing to the algorithm '{}'", name_of(algorithm));
+  return {.affects = affects, .unused = unless(reads, why), .settable = true};
+}
 
 template <class Fields>
 void describe(Fields& f, inference::AlgorithmConfig& c) {
@@ -153,9 +165,6 @@ void describe(Fields& f, PublishedFigure& c) {
   f("std", c.std, not_negative(), "published standard deviation");
 }
 
-/// Use of a method's setting that means something with [policy] alone.
-FieldUse use_of_iterations(const MethodConfig& method, const PolicyConfig& policy, bool reads);
-
 /// `policy`: of its study.
 template <class Fields>
 void describe(Fields& f, MethodConfig& c, const PolicyConfig& policy = {}) {
@@ -169,37 +178,34 @@ void describe(Fields& f, MethodConfig& c, const PolicyConfig& policy = {}) {
   describe(f, c.algorithm);
   f("num_rollouts", c.num_rollouts, count_from(0),
     "use the first k rollouts of the target only; 0: all", use_of(infers(c)));
+  const auto use_of_iterations = [&](bool reads) {
+    return policy.is_used() ? use_of(reads, Affects::elsewhere)
+                            : FieldUse{.affects = Affects::elsewhere,
+                                       .unused = " without a table [policy]",
+                                       .omitted = true};
+  };
   f("num_iterations", c.num_iterations, between(1, 1000),
     "with [policy]: how often rollouts are collected and a policy is searched",
-    use_of_iterations(c, policy, infers(c)));
+    use_of_iterations(infers(c)));
   f("policy_iterations", c.policy_iterations, between(1, 100'000),
-    "with [policy]: steps of each policy search", use_of_iterations(c, policy, true));
+    "with [policy]: steps of each policy search", use_of_iterations(true));
   // Distances of trajectories look at no embedding.
   const bool is_embedded = family != abc || c.abc.distance == inference::AbcDistance::euclidean;
-  f.table(
-      "embedding", "the features that inference sees", [&](auto& t) { describe(t, c.embedding); },
-      use_of(learns_from_rounds(algorithm), is_embedded ? Affects::results : Affects::elsewhere));
-  f.table(
-      "density_estimator", "the network that learns the posterior",
-      [&](auto& t) { describe(t, c.density_estimator); }, use_of(family == network));
-  f.table(
-      "training", "how the network is trained", [&](auto& t) { describe(t, c.training); },
-      use_of(family == network));
-  f.table(
-      "sampler", "how posteriors of a learned likelihood or ratio are sampled",
-      [&](auto& t) { describe(t, c.sampler); },
-      use_of(inference::traits_of(algorithm).role != inference::NetworkRole::posterior));
-  f.table(
-      "abc", "approximate Bayesian computation: \"abc_rejection\", \"abc_mcmc\", \"abc_smc\"",
-      [&](auto& t) { describe(t, c.abc); }, use_of(family == abc));
-  f.table(
-      "linear_regression", "the algorithm \"linear_regression\"",
-      [&](auto& t) { describe(t, c.linear_regression); }, use_of(family == regression));
+  table(f, "embedding", c.embedding, "the features that inference sees",
+        use_of(learns_from_rounds(algorithm), is_embedded ? Affects::results : Affects::elsewhere));
+  table(f, "density_estimator", c.density_estimator, "the network that learns the posterior",
+        use_of(family == network));
+  table(f, "training", c.training, "how the network is trained", use_of(family == network));
+  table(f, "sampler", c.sampler, "how posteriors of a learned likelihood or ratio are sampled",
+        use_of(inference::traits_of(algorithm).role != inference::NetworkRole::posterior));
+  table(f, "abc", c.abc,
+        "approximate Bayesian computation: \"abc_rejection\", \"abc_mcmc\", \"abc_smc\"",
+        use_of(family == abc));
+  table(f, "linear_regression", c.linear_regression, "the algorithm \"linear_regression\"",
+        use_of(family == regression));
   FieldUse of_refinements = use_of(family == likelihood);
   of_refinements.omitted = family != likelihood;
-  f.table(
-      "refine", "the algorithm \"refine\"", [&](auto& t) { describe(t, c.refine); },
-      of_refinements);
+  table(f, "refine", c.refine, "the algorithm \"refine\"", of_refinements);
   f("published", c.published, anything<std::map<std::string, PublishedFigure>>(),
     "somebody's figures to print beside ours, by metric: mean and std",
     use_of(infers(c), Affects::report));

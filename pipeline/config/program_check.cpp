@@ -1,4 +1,4 @@
-#include "pipeline/config/program_check.h"
+#include "pipeline/config/study_check.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "pipeline/config/rollout_check.h"
+#include "pipeline/config/study_check.h"
 
 #include <fmt/format.h>
 
@@ -23,7 +23,10 @@ class RolloutChecker : Checker {
   void check() {
     if (!study_.source().gives_motion) {
       for (std::size_t i = 0; i < study_.methods.size(); ++i) {
-        check_features(method_path(i), study_.methods[i]);
+        for (const std::string& channel : study_.methods[i].embedding.channels) {
+          require_known(method_path(i) + ".embedding.channels", "method.embedding.channels",
+                        "feature", channel, labels_of(shape_.state_channels));
+        }
       }
       return;
     }
@@ -88,13 +91,6 @@ class RolloutChecker : Checker {
   // Of a single one neither a likelihood nor a distance of trajectories says much.
   std::string two_states_left() const {
     return fmt::format("so that two of the {} states of a rollout are left", shape_.num_steps);
-  }
-
-  void check_features(const std::string& path, const MethodConfig& method) {
-    for (const std::string& channel : method.embedding.channels) {
-      require_known(path + ".embedding.channels", "method.embedding.channels", "feature", channel,
-                    labels_of(shape_.state_channels));
-    }
   }
 
   Index used_rollouts() const {

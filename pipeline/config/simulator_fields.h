@@ -13,9 +13,6 @@
 
 namespace npdr::pipeline {
 
-/// Name of a built-in simulator; "" where something else takes its place.
-Constraint<std::string> simulator_constraint();
-
 template <class Fields>
 void describe(Fields& f, sim::MinigolfConfig& c) {
   choice(f, "strike", c.strike, "the recorded joint angles, or the policy of Table A4");
@@ -35,22 +32,30 @@ void describe(Fields& f, sim::MinigolfConfig& c) {
     "slower contacts don't bounce [m/s]");
 }
 
-/// Use of a setting that not all built-in simulators read, and others none.
-FieldUse use_of_built_in(const sim::SimulatorConfig& simulator, const SourceTraits& source,
-                         const std::string& key);
-
 /// `source`: what is simulated.
 template <class Fields>
 void describe(Fields& f, sim::SimulatorConfig& c,
               const SourceTraits& source = traits_of(SourceKind::built_in)) {
-  const auto use_of = [&](const char* key) { return use_of_built_in(c, source, key); };
+  Constraint<std::string> name = one_of(sim::simulator_names());
+  name.allows = [is_name = name.allows](const std::string& value) {
+    return value.empty() || is_name(value);  // something else takes its place
+  };
+  f("name", c.name, name,
+    "a built-in simulator; exactly one of name, command, worker, library, mjcf and dataset",
+    {.affects = source.is_built_in ? Affects::results : Affects::report});
+  // Not all built-in simulators read a setting, and others none.
+  const std::string reader =
+      source.is_built_in ? "the simulator '" + c.name + "'" : std::string("a ") + source.name;
+  const auto unused = name.allows(c.name) && !c.name.empty() ? sim::unused_settings(c.name)
+                                                             : std::vector<std::string>();
+  const auto use_of = [&](const char* key) {
+    const bool is_read = source.is_built_in && std::ranges::count(unused, key) == 0;
+    return FieldUse{.unused = unless(is_read, "it means nothing to " + reader)};
+  };
   // Rollouts of the user's simulators are cut, and kept, like those of the built-in ones.
   const auto use_of_rollouts = [&](const char* key) {
     return source.is_built_in || !source.gives_motion ? use_of(key) : FieldUse{};
   };
-  f("name", c.name, simulator_constraint(),
-    "a built-in simulator; exactly one of name, command, worker, library, mjcf and dataset",
-    {.affects = source.is_built_in ? Affects::results : Affects::report});
   f("parameters", c.parameters, few_numbers(), "values that replace the simulator's nominal ones");
   f("segment_length", c.segment_length, count_from(0),
     "steps until the simulation restarts from the recorded state; 0: never",

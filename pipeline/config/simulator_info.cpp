@@ -1,14 +1,56 @@
 #include "pipeline/config/simulator_info.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <system_error>
 
 #include "core/constants.h"
+#include "core/error.h"
 #include "core/feature_names.h"
-#include "pipeline/config/library_config.h"
-#include "sim/library/library_simulator.h"
+#include "pipeline/process/child_process.h"
+#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
+
+namespace fs = std::filesystem;
+
+// Beside the executables, or where an environment variable says.
+fs::path mujoco_library() {
+  const char* const given = std::getenv("NPDR_MUJOCO_LIBRARY");
+  const fs::path file = given != nullptr
+                            ? fs::path(given)
+                            : executable_folder().parent_path() / "lib" / "npdr_mujoco.so";
+  std::error_code unreadable;
+  if (!fs::exists(file, unreadable)) {
+    throw InputError("simulator.mjcf needs MuJoCo, which npdr was built without: " + file.string() +
+                     " isn't there; 'pip install mujoco', then build npdr again with "
+                     "'scripts/build' (docs/external-simulators.md)");
+  }
+  return file;
+}
+
+// Requests of the study to the model, in an order that doesn't depend on the prior's; without a
+// prior, all that the model has.
+nlohmann::ordered_json mujoco_settings(const Study& study) {
+  std::set<std::string> parameters;
+  const auto add_names = [&](const std::map<std::string, double>& values) {
+    for (const auto& [name, value] : values) parameters.insert(name);
+  };
+  for (const inference::Marginal& marginal : study.prior) parameters.insert(marginal.name);
+  add_names(study.simulator.parameters);
+  if (study.target.truth) add_names(*study.target.truth);
+  for (const ReferenceConfig& reference : study.references) add_names(reference.parameters);
+  return {{"model", fs::absolute(*study.external.mjcf).string()},
+          {"parameters",
+           parameters.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(parameters)},
+          {"states", study.external.states},
+          {"actions", study.external.actions}};
+}
 
 sim::Parameter described(const DescribedParameter& c) {
   return {c.name,
@@ -64,13 +106,25 @@ sim::SimulatorInfo info_of_study(const Study& study) {
 
 }  // namespace
 
+sim::LibraryConfig library_config(const Study& study) {
+  const ExternalConfig& external = study.external;
+  const std::string advice =
+      external.mjcf ? ", or narrow the prior"
+                    : "; where one of them comes to no end, bound the library's loops and give it "
+                      "the status NPDR_DIVERGED";
+  const auto end_late = [advice](const std::string& message) {
+    report_error("npdr",
+                 message + ": raise simulator.time_limit where rows take that long" + advice);
+    _exit(static_cast<int>(ExitStatus::invalid_input));
+  };
+  return {external.mjcf ? mujoco_library() : fs::path(*external.library),
+          external.mjcf ? mujoco_settings(study).dump() : external.settings.json, external.folder,
+          external.time_limit, end_late};
+}
+
 sim::SimulatorInfo simulator_info(const Study& study) {
   const SourceTraits& source = study.source();
-  if (source.is_built_in) {
-    sim::SimulatorConfig config;
-    config.name = study.simulator.name;
-    return sim::make_simulator(config)->info();
-  }
+  if (source.is_built_in) return sim::make_simulator({.name = study.simulator.name})->info();
   sim::SimulatorInfo info = source.describes_itself
                                 ? sim::LibrarySimulator(library_config(study)).info()
                                 : info_of_study(study);

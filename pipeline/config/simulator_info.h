@@ -1,8 +1,8 @@
-/// Description of a study's simulator, built-in or not.
+/// Description of a study's simulator, built-in or not, and what a library is loaded with.
 #pragma once
 
 #include "pipeline/config/study.h"
-#include "sim/simulator.h"
+#include "sim/library/library_simulator.h"
 
 namespace npdr::pipeline {
 
@@ -11,5 +11,10 @@ namespace npdr::pipeline {
 /// the features of x are the state channels of a single step. Throws InputError for a name that no
 /// built-in simulator has.
 sim::SimulatorInfo simulator_info(const Study& study);
+
+/// The library of simulator.library with its settings; for simulator.mjcf npdr's own library for
+/// MuJoCo, whose settings are the model and the names of parameters and channels. Throws InputError
+/// when npdr was built without MuJoCo.
+sim::LibraryConfig library_config(const Study& study);
 
 }  // namespace npdr::pipeline

@@ -1,4 +1,4 @@
-#include "pipeline/config/source_check.h"
+#include "pipeline/config/study_check.h"
 
 #include <cmath>
 #include <filesystem>
@@ -12,7 +12,6 @@
 #include "inference/embeddings/embedding_config.h"
 #include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/program_check.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -232,15 +231,11 @@ class SourceChecker : Checker {
 };
 
 // Those of the keys that say where rows come from that the study has.
-std::vector<std::string> sources_of(const Study& study) {
-  const ExternalConfig& external = study.external;
-  const std::array<bool, kSourceKeys.size()> is_there = {
-      !study.simulator.name.empty(), external.command.has_value(), external.worker.has_value(),
-      external.library.has_value(),  external.mjcf.has_value(),    external.dataset.has_value()};
-  std::vector<std::string> found;
-  for (std::size_t i = 0; i < is_there.size(); ++i) {
-    if (is_there[i]) found.emplace_back(kSourceKeys[i]);
-  }
+std::vector<std::string> sources_of(const Study& study, const Reading& reading) {
+  std::vector<std::string> found(kSourceKeys.begin(), kSourceKeys.end());
+  std::erase_if(found, [&](const std::string& key) {
+    return !reading.has("simulator." + key) || (key == "name" && study.simulator.name.empty());
+  });
   return found;
 }
 
@@ -250,13 +245,13 @@ bool has_source(const Study& study, const Reading& reading) {
   for (const char* source : kSourceKeys) {
     if (!reading.good(std::string("simulator.") + source)) return false;
   }
-  return sources_of(study).size() == 1;
+  return sources_of(study, reading).size() == 1;
 }
 
 void check_source(const Study& study, const sim::SimulatorInfo* info, Reading& reading) {
   if (has_source(study, reading)) return SourceChecker(study, info, reading).check();
   if (!reading.good("simulator")) return;
-  const std::vector<std::string> found = sources_of(study);
+  const std::vector<std::string> found = sources_of(study, reading);
   if (found.empty()) {
     reading.fail("simulator.name",
                  "simulator.name is missing, must be text, one of " + join(sim::simulator_names()) +
@@ -272,9 +267,8 @@ void check_dataset_rows(const Study& study, Index num_rows) {
   for (std::size_t i = 0; i < study.methods.size(); ++i) {
     const Index wanted = study.methods[i].algorithm.num_simulations;
     if (wanted <= num_rows) continue;
-    const std::string path = "method[" + std::to_string(i) + "].num_simulations";
-    reading.reject(path, std::to_string(wanted),
-                   "<= " + std::to_string(num_rows) + ", the rows of the dataset");
+    reading.reject(fmt::format("method[{}].num_simulations", i), std::to_string(wanted),
+                   fmt::format("<= {}, the rows of the dataset", num_rows));
   }
   if (num_rows > std::numeric_limits<std::uint32_t>::max()) {
     reading.reject("simulator.dataset", std::to_string(num_rows) + " rows", "of < 2^32 rows");

@@ -23,6 +23,13 @@ void add_parameter(std::string& text, const std::string& name, const std::option
   }
 }
 
+// And again with the prefix.
+std::vector<std::string> with_held_out(std::vector<std::string> names) {
+  const std::vector<std::string> once = names;
+  for (const std::string& name : once) names.push_back(std::string(kHeldOutPrefix) + name);
+  return names;
+}
+
 }  // namespace
 
 std::string to_text(const ObservationNoise& noise) {
@@ -43,6 +50,17 @@ std::string to_text(const ObservationNoise& noise) {
   return text;
 }
 
+std::vector<double> PolicyGridAxis::points() const {
+  if (!values.empty()) return values;
+  std::vector<double> points;
+  const auto last = static_cast<double>(steps - 1);
+  for (Index i = 0; i < steps; ++i) {
+    const double t = static_cast<double>(i) / last;
+    points.push_back((1.0 - t) * range[0] + t * range[1]);
+  }
+  return points;
+}
+
 const MethodConfig& Study::method(const std::string& method_name) const {
   std::vector<std::string> names;
   for (const MethodConfig& m : methods) {
@@ -52,18 +70,12 @@ const MethodConfig& Study::method(const std::string& method_name) const {
   throw InputError(unknown_name("method", method_name, names));
 }
 
-std::string Study::why_unchecked(Check check, const MethodConfig& method) const {
-  for (WhyUnchecked* const needs : traits_of(check).needs) {
-    const std::string why = needs == nullptr ? "" : needs(*this, method);
-    if (!why.empty()) return why;
-  }
-  return "";
-}
-
 DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
   DiagnoseConfig config = diagnose;
   if (!infers(method)) config.checks.clear();
-  std::erase_if(config.checks, [&](Check check) { return !why_unchecked(check, method).empty(); });
+  std::erase_if(config.checks, [&](Check check) {
+    return !traits_of(check).why_unchecked(*this, method).empty();
+  });
   return config;
 }
 
@@ -108,18 +120,6 @@ DiagnoseConfig DiagnoseConfig::of_diagnosis() const {
                 [](Check check) { return traits_of(check).input == CheckInput::samples; });
   return config;
 }
-
-namespace {
-
-std::vector<std::string> with_held_out(std::vector<std::string> names) {
-  const std::size_t count = names.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    names.push_back(std::string(kHeldOutPrefix) + names[i]);
-  }
-  return names;
-}
-
-}  // namespace
 
 std::vector<std::string> measured_names(const Study& study) {
   const std::vector<std::string> names = to_names(study.evaluate.metrics);

@@ -1,5 +1,5 @@
-/// A study: target domain, simulator, prior and the methods to compare. Plain data; every default
-/// is here, and pipeline/config/study_fields.h says what each field means and may hold.
+/// A study: target domain, simulator, prior and the methods to compare. Plain data: every default
+/// is here or in external_config.h; study_fields.h says what each field means and may hold.
 #pragma once
 
 #include <cstdint>
@@ -15,43 +15,39 @@
 #include "inference/embeddings/embedding_config.h"
 #include "inference/estimators/estimator_config.h"
 #include "inference/linear_regression/linear_regression_config.h"
+#include "inference/policy_search/policy_search_config.h"
 #include "inference/prior.h"
 #include "inference/samplers/importance_config.h"
 #include "inference/training_config.h"
-#include "pipeline/config/cluster_config.h"
 #include "pipeline/config/external_config.h"
 #include "pipeline/config/metric.h"
-#include "pipeline/config/policy_config.h"
 #include "pipeline/config/reading.h"
-#include "pipeline/config/source_traits.h"
 #include "sim/simulator.h"
 
 namespace npdr::pipeline {
 
 /// Source of the target domain's rollouts: exactly one of `recording`, `truth` and, where the
-/// simulator gives no rollouts, `observation`.
+/// simulator gives no rollouts, `observation`. Paths are those seen from the current folder.
 struct TargetConfig {
-  std::optional<std::string> recording;                ///< path, as seen from the current folder
-  std::optional<std::string> observation;              ///< the same, of a file that holds x_o
-  std::optional<std::map<std::string, double>> truth;  ///< parameters that aren't nominal
-  std::optional<std::string> inputs;    ///< path of a recording that a truth's rollouts begin like
-  std::vector<std::uint64_t> rollouts;  ///< of the recording, counted from 1; empty: all
-  Index num_rollouts = 0;               ///< that inference sees, of those; 0: all
-  Index held_out = 0;                   ///< after those, for evaluation alone
-  std::uint64_t seed = 0;               ///< picks a truth's random behavior
+  std::optional<std::string> recording, observation;
+  std::optional<std::map<std::string, double>> truth;
+  std::optional<std::string> inputs;
+  std::vector<std::uint64_t> rollouts;
+  Index num_rollouts = 0, held_out = 0;
+  std::uint64_t seed = 0;
 };
 
 /// Noise on the simulated states that the inference sees (sim/noise_model.h). Priors are pairs of a
 /// median and a deviation.
 struct ObservationNoise {
-  double scale = 0.0;  ///< standard deviation / largest recorded magnitude of the channel
+  double scale = 0.0;
   std::optional<std::vector<double>> scale_prior;
-  std::optional<std::map<std::string, double>> std;  ///< by channel, in its unit, in place of scale
+  std::optional<std::map<std::string, double>> std;  ///< by channel, in its unit
   std::optional<double> correlation;
   std::optional<std::vector<double>> correlation_prior;
   std::optional<double> degrees_of_freedom;
   std::optional<std::vector<double>> degrees_of_freedom_prior;
-  bool redraw = true;  ///< fresh noise in each training epoch, not once per simulation
+  bool redraw = true;
 
   bool is_silent() const { return scale == 0.0 && !scale_prior && !std; }
   bool is_correlated() const { return correlation || correlation_prior; }
@@ -76,18 +72,17 @@ struct EvaluateConfig {
   Index num_samples = 1000;
   std::vector<Metric> metrics = {Metric::dtw, Metric::rmse};
   EvaluatedRounds rounds = EvaluatedRounds::last;
-  bool floor = true;    ///< search for the smallest RMSE in the prior, too; only with a recording
-  Index leave_out = 0;  ///< parts of the rollouts that methods predict from the others; 0: none
+  bool floor = true;
+  Index leave_out = 0;
 };
 
 enum class Check;  // check.h
 
 /// How posteriors are checked.
 struct DiagnoseConfig {
-  std::vector<Check> checks;  ///< all where the study has a [diagnose], else those that cost little
-  Index num_simulations = 300;  ///< fresh draws of the prior, to calibrate with
-  Index num_samples = 1000;     ///< drawn from each posterior
-  double alpha = 0.01;          ///< probability that a method without fault fails any of its checks
+  std::vector<Check> checks;
+  Index num_simulations = 300, num_samples = 1000;
+  double alpha = 0.01;
 
   bool has(Check check) const;
   /// Whether any of the checks needs fresh simulations.
@@ -99,24 +94,22 @@ struct DiagnoseConfig {
 /// A named parameter vector to compare posteriors with.
 struct ReferenceConfig {
   std::string name;
-  std::map<std::string, double> parameters;  ///< that aren't the study's nominal ones
+  std::map<std::string, double> parameters;
 };
 
 struct LimitsConfig {
-  double max_failed_fraction = 0.05;  ///< share of the rows of a simulation
+  double max_failed_fraction = 0.05;
 };
 
 struct ReportConfig {
-  std::string title;                           ///< "": the study's name
-  std::string caption;                         ///< below the main tables
-  std::vector<std::string> parameters;         ///< those that pair plots show; empty: the first 15
-  std::map<std::string, std::string> symbols;  ///< LaTeX of parameters
+  std::string title, caption;
+  std::vector<std::string> parameters;  ///< those that pair plots show
+  std::map<std::string, std::string> symbols;
 };
 
 /// Somebody's figure to print beside ours.
 struct PublishedFigure {
-  double mean = 0.0;
-  double std = 0.0;
+  double mean = 0.0, std = 0.0;
 };
 
 /// Draws that predict left-out rollouts, for each power of the likelihood that is tried.
@@ -124,8 +117,8 @@ inline constexpr Index kLeftOutDraws = 1000;
 
 /// Settings of the algorithm "refine".
 struct RefineConfig {
-  std::string start;                ///< the method whose posterior is refined; "": the prior alone
-  bool infer_first_states = false;  ///< they are as noisy as the others
+  std::string start;
+  bool infer_first_states = false;
   inference::ImportanceConfig sampling;
 };
 
@@ -133,9 +126,7 @@ struct RefineConfig {
 struct MethodConfig {
   std::string name;
   inference::AlgorithmConfig algorithm = {.kind = inference::Algorithm::npe_nle};
-  Index num_rollouts = 0;    ///< the first h of the target's rollouts; 0: all
-  Index num_iterations = 1;  ///< each collects target rollouts, infers and searches for a policy
-  Index policy_iterations = 20;  ///< steps of a policy search
+  Index num_rollouts = 0, num_iterations = 1, policy_iterations = 20;
   inference::EmbeddingConfig embedding;
   inference::EstimatorConfig density_estimator = {.num_networks = 5};
   inference::TrainingConfig training;
@@ -144,6 +135,61 @@ struct MethodConfig {
   inference::LinearRegressionConfig linear_regression;
   RefineConfig refine;
   std::map<std::string, PublishedFigure> published;  ///< by metric
+};
+
+/// One axis of the grid that policies are tested on: a domain parameter, and its values.
+struct PolicyGridAxis {
+  std::string parameter;
+  std::vector<double> range;
+  Index steps = 7;
+  std::vector<double> values;
+
+  bool is_used() const { return !parameter.empty(); }
+  /// The values, ascending.
+  std::vector<double> points() const;
+};
+
+struct PolicyGrid {
+  PolicyGridAxis x, y;
+
+  bool is_used() const { return x.is_used() && y.is_used(); }
+};
+
+/// Policy search.
+struct PolicyConfig {
+  Index num_domain_parameters = 50, num_initial_states = 4, num_test_states = 100, num_steps = 0;
+  std::map<std::string, double> initial, model;
+  /// The search; its num_iterations stand elsewhere.
+  inference::PolicySearchConfig search = {.kind = inference::PolicyOptimizerKind::none};
+  PolicyGrid grid;
+
+  bool is_used() const { return search.kind != inference::PolicyOptimizerKind::none; }
+};
+
+/// Tasks that may help one refinement: an array of a cluster with usual settings.
+inline constexpr Index kMostHelpers = 1000;
+
+/// Resources that a job of one stage asks for. Empty, or 0: as the whole [cluster] says.
+struct StageResources {
+  Index cpus = 0;
+  std::string memory, time;
+  std::vector<std::string> sbatch;
+};
+
+/// How a batch system is asked to run a study: the table [cluster] of a study or of a site's file.
+/// No artefact depends on it. `prepare` is of targets and proposals, `policy` of searches and
+/// tests.
+struct ClusterConfig {
+  std::string partition, account;
+  Index cpus = 1;
+  std::string memory, time;
+  Index array_limit = 0, max_array_size = 0;
+  double task_minutes = 5.0;
+  Index refine_tasks = 0;
+  Index signal_seconds = 120;
+  std::string scratch, mail;
+  std::vector<std::string> setup, sbatch;
+  StageResources prepare, simulate, infer, baseline, evaluate, diagnose, policy, report;
 };
 
 /// The table [simulator] as a whole.
@@ -181,8 +227,6 @@ struct Study {
   /// Throws InputError with the nearest name when no method is called `method_name`.
   const MethodConfig& method(const std::string& method_name) const;
 
-  /// Why a check means nothing to a method that infers, for people; "": it does mean something.
-  std::string why_unchecked(Check check, const MethodConfig& method) const;
   /// The checks that mean something to a method.
   DiagnoseConfig diagnose_of(const MethodConfig& method) const;
 

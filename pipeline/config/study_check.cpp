@@ -9,8 +9,8 @@
 #include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/check.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/config/study_check.h"
 #include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
@@ -25,7 +25,7 @@ class StudyChecker : Checker {
 
   void check() {
     check_source(study_, info_, reading_);
-    check_noise(study_, info_, reading_);
+    check_noise();
     check_target();
     check_values("simulator.parameters", study_.simulator.parameters);
     for (Marginal& marginal : prior_) check_marginal(marginal);
@@ -37,7 +37,10 @@ class StudyChecker : Checker {
     check_references();
     check_goal();
     check_metrics();
-    check_held_out();
+    // Which rollouts are held out is a count from the first that inference sees.
+    require("target.num_rollouts", study_.target.num_rollouts,
+            study_.target.held_out == 0 || study_.target.num_rollouts > 0,
+            ">= 1 with held_out: the rollouts after those are held out", {"target.held_out"});
     check_report();
     check_policy(study_, info_, reading_);
     check_cluster();
@@ -56,13 +59,41 @@ class StudyChecker : Checker {
     }
   }
 
+  void check_noise() {
+    const ObservationNoise& noise = study_.observation_noise;
+    const std::string path = "observation_noise.std", member = path + ".";
+    must_be_left_out(unused_fields(fields_of(noise), "observation_noise"));
+    if (!noise.is_silent() && !study_.source().gives_motion) {
+      must_be_left_out({"observation_noise.correlation", "observation_noise.correlation_prior"},
+                       "the simulator gives features, which have no neighbors in time");
+    }
+    if (!noise.std) return;
+    auto labels = info_ ? labels_of(info_->state_channels) : std::vector<std::string>();
+    for (const auto& [label, deviation] : *noise.std) {
+      require(member + label, deviation, deviation >= 0.0, ">= 0");
+      if (labels.empty()) continue;  // features may not be known yet
+      require_known(member + label, path, "channel", label, labels);
+    }
+    // The likelihood of a refinement is that of every channel's noise.
+    const auto refines = [](const MethodConfig& method) {
+      return method.algorithm.kind == inference::Algorithm::refine;
+    };
+    if (std::ranges::none_of(study_.methods, refines)) return;
+    const std::string needed = "algorithm 'refine' needs noise in each channel";
+    for (const auto& [label, deviation] : *noise.std) {
+      require(member + label, deviation, deviation != 0.0, "> 0: " + needed);
+      std::erase(labels, label);
+    }
+    if (labels.empty() || noise.scale > 0.0 || noise.scale_prior) return;
+    reading_.reject(path, "without " + join(labels),
+                    "of all channels, or beside a scale or scale_prior of the others: " + needed);
+  }
+
   void check_target() {
     const TargetConfig& target = study_.target;
-    const bool gives_motion = study_.source().gives_motion;
     if (target.truth) check_values("target.truth", *target.truth);
-    if (!gives_motion) return;
-    const bool is_readable = reading_.good("target.recording") && reading_.good("target.truth");
-    if (is_readable &&
+    if (!study_.source().gives_motion) return;
+    if (reading_.good("target.recording") && reading_.good("target.truth") &&
         !require_one_of("target", target.recording.has_value(), "recording = \"file.h5\"",
                         target.truth.has_value(), "truth = { parameter = value }")) {
       return;
@@ -79,7 +110,7 @@ class StudyChecker : Checker {
   }
 
   void require_recording(const std::string& path, const std::string& file) {
-    constexpr const char* words = "an existing HDF5 file; 'npdr import' makes one of CSV files";
+    const std::string words = "an existing HDF5 file; 'npdr import' makes one of CSV files";
     if (require(path, file, !file.ends_with(".csv"), words)) require_file(path, file, words);
   }
 
@@ -97,9 +128,8 @@ class StudyChecker : Checker {
   void check_marginal(Marginal& marginal) {
     const std::string path = "prior." + marginal.name;
     if (study_.simulator.parameters.contains(marginal.name)) {
-      fail(path, fmt::format("'{}' is in the prior and in simulator.parameters, must be in one of "
-                             "them",
-                             marginal.name));
+      fail(path, "'" + marginal.name +
+                     "' is in the prior and in simulator.parameters, must be in one of them");
     }
     if (!info_) return;
     const sim::Parameter* parameter = find_parameter(path, "prior", marginal.name);
@@ -179,14 +209,6 @@ class StudyChecker : Checker {
     }
   }
 
-  // Which rollouts are held out is a count from the first that inference sees.
-  void check_held_out() {
-    const TargetConfig& target = study_.target;
-    require("target.num_rollouts", target.num_rollouts,
-            target.held_out == 0 || target.num_rollouts > 0,
-            ">= 1 with held_out: the rollouts after those are held out", {"target.held_out"});
-  }
-
   // A job would be asked to stop before it has begun.
   void check_cluster() {
     const ClusterConfig& cluster = study_.cluster;
@@ -249,21 +271,15 @@ class StudyChecker : Checker {
   std::vector<Marginal>& prior_;
 };
 
-// Needs nothing but the name.
-std::optional<sim::SimulatorInfo> load_simulator(const Study& study, Reading& reading) {
-  if (!has_source(study, reading)) return std::nullopt;
-  try {
-    return simulator_info(study);
-  } catch (const InputError& error) {  // of a library, or a model of MuJoCo
-    reading.fail(study.external.mjcf ? "simulator.mjcf" : "simulator.library", error.what());
-    return std::nullopt;
-  }
-}
-
 }  // namespace
 
 void check_study(Study& study, Reading& reading) {
-  const std::optional<sim::SimulatorInfo> info = load_simulator(study, reading);
+  std::optional<sim::SimulatorInfo> info;
+  try {
+    if (has_source(study, reading)) info = simulator_info(study);
+  } catch (const InputError& error) {  // of a library, or a model of MuJoCo
+    reading.fail(study.external.mjcf ? "simulator.mjcf" : "simulator.library", error.what());
+  }
   StudyChecker(study, info ? &*info : nullptr, reading).check();
 }
 

@@ -116,6 +116,12 @@ void describe(Fields& f, PolicyGridAxis& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, PolicyGrid& c) {
+  table(f, "x", c.x, "one axis of the grid");
+  table(f, "y", c.y, "the other axis");
+}
+
+template <class Fields>
 void describe(Fields& f, PolicyConfig& c) {
   using enum inference::PolicyOptimizerKind;
   const FieldUse of_task = {.affects = Affects::task}, of_tests = {.affects = Affects::elsewhere};
@@ -152,11 +158,7 @@ void describe(Fields& f, PolicyConfig& c) {
   f("smoothing", c.search.smoothing, interval(End::open, 0, 1, End::closed),
     "\"cross_entropy\": weight of the new distribution against the old one",
     only_of(cross_entropy));
-  const auto describe_grid = [&](auto& grid) {
-    grid.table("x", "one axis of the grid", [&](auto& t) { describe(t, c.grid.x); });
-    grid.table("y", "the other axis", [&](auto& t) { describe(t, c.grid.y); });
-  };
-  f.table("grid", "domain parameters that policies are tested on", describe_grid, of_tests);
+  table(f, "grid", c.grid, "domain parameters that policies are tested on", of_tests);
 }
 
 template <class Fields>
@@ -205,17 +207,26 @@ void describe(Fields& f, ClusterConfig& c) {
   f("setup", c.setup, shell_lines(), "lines of shell before the work, such as \"module load gcc\"");
   f("sbatch", c.sbatch, options_constraint(),
     "further options of all jobs, such as \"--qos=long\"");
-  const auto stage = [&](const char* key, StageResources& resources, const char* doc) {
-    f.table(key, doc, [&](auto& t) { describe(t, resources); });
-  };
-  stage("prepare", c.prepare, "what jobs of targets and proposals ask for");
-  stage("simulate", c.simulate, "what tasks that simulate ask for");
-  stage("infer", c.infer, "what jobs that train ask for");
-  stage("baseline", c.baseline, "what the job of the baseline asks for");
-  stage("evaluate", c.evaluate, "what jobs that evaluate ask for");
-  stage("diagnose", c.diagnose, "what jobs that diagnose ask for");
-  stage("policy", c.policy, "what jobs that search for policies, and test them, ask for");
-  stage("report", c.report, "what the job of the report asks for");
+  table(f, "prepare", c.prepare, "what jobs of targets and proposals ask for");
+  table(f, "simulate", c.simulate, "what tasks that simulate ask for");
+  table(f, "infer", c.infer, "what jobs that train ask for");
+  table(f, "baseline", c.baseline, "what the job of the baseline asks for");
+  table(f, "evaluate", c.evaluate, "what jobs that evaluate ask for");
+  table(f, "diagnose", c.diagnose, "what jobs that diagnose ask for");
+  table(f, "policy", c.policy, "what jobs that search for policies, and test them, ask for");
+  table(f, "report", c.report, "what the job of the report asks for");
+}
+
+template <class Fields>
+void describe(Fields& f, SimulateConfig& c) {
+  f("shard_size", c.shard_size, count_from(1),
+    "simulations per job: what is scheduled, retried and resumed");
+}
+
+template <class Fields>
+void describe(Fields& f, LimitsConfig& c) {
+  f("max_failed_fraction", c.max_failed_fraction, between(0, 1),
+    "share of failed simulations above which the study stops, with exit status 3");
 }
 
 template <class Fields>
@@ -227,41 +238,28 @@ void describe(Fields& f, Study& c) {
     t("seeds", c.seeds, seeds_constraint(),
       "one experiment each; tables report mean and standard deviation", by_plan);
   });
-  f.table(
-      "target", "the target domain, whose motion is explained",
-      [&](auto& t) { describe(t, c.target); }, by_plan);
+  table(f, "target", c.target, "the target domain, whose motion is explained", by_plan);
   f.table("simulator", "the simulator whose parameters are inferred", [&](auto& t) {
     describe(t, c.simulator, c.source());
     describe(t, c.external);
   });
   f("prior", c.prior, prior_constraint(),
     "parameter = " + marginal_words() + "; the rest stay nominal", by_plan);
-  f.table("observation_noise", "noise on the simulated states that the inference sees",
-          [&](auto& t) { describe(t, c.observation_noise); });
-  const auto describe_simulate = [&](auto& t) {
-    t("shard_size", c.simulate.shard_size, count_from(1),
-      "simulations per job: what is scheduled, retried and resumed");
-  };
-  f.table("simulate", "how simulations are cut into jobs", describe_simulate, of_report);
+  table(f, "observation_noise", c.observation_noise,
+        "noise on the simulated states that the inference sees");
+  table(f, "simulate", c.simulate, "how simulations are cut into jobs", of_report);
   f.list("method", c.methods, 1, "a method to compare",
          [&](auto& t, auto& m) { describe(t, m, c.policy); });
-  f.table(
-      "evaluate", "how posteriors are judged", [&](auto& t) { describe(t, c.evaluate); }, by_plan);
-  f.table("diagnose", "how posteriors are checked", [&](auto& t) { describe(t, c.diagnose); });
-  f.table("policy", "search for a policy", [&](auto& t) { describe(t, c.policy); },
-          {.omitted = !c.policy.is_used()});
+  table(f, "evaluate", c.evaluate, "how posteriors are judged", by_plan);
+  table(f, "diagnose", c.diagnose, "how posteriors are checked");
+  table(f, "policy", c.policy, "search for a policy", {.omitted = !c.policy.is_used()});
   f.list(
       "reference", c.references, 0, "a parameter vector to compare posteriors with",
       [](auto& t, auto& r) { describe(t, r); }, by_plan);
-  const auto describe_limits = [&](auto& t) {
-    t("max_failed_fraction", c.limits.max_failed_fraction, between(0, 1),
-      "share of failed simulations above which the study stops, with exit status 3");
-  };
-  f.table("limits", "when to give up", describe_limits, of_report);
-  f.table(
-      "report", "how results are shown", [&](auto& t) { describe(t, c.report); }, of_report);
-  f.table("cluster", "how a batch system runs the study", [&](auto& t) { describe(t, c.cluster); },
-          {.affects = Affects::nothing});
+  table(f, "limits", c.limits, "when to give up", of_report);
+  table(f, "report", c.report, "how results are shown", of_report);
+  table(f, "cluster", c.cluster, "how a batch system runs the study",
+        {.affects = Affects::nothing});
 }
 
 }  // namespace npdr::pipeline

@@ -1,5 +1,3 @@
-#include "pipeline/config/study_warnings.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +5,8 @@
 
 #include "core/text.h"
 #include "pipeline/config/check.h"
-#include "pipeline/config/program_check.h"
+#include "pipeline/config/study_check.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -36,16 +35,16 @@ Findings find_outside(const Subject& s, const Marginal& marginal, double value,
 Findings find_truth_outside(const Subject& s) {
   Findings found;
   for (const Marginal& marginal : s.study.prior) {
-    const auto given = s.study.target.truth->find(marginal.name);
+    const std::string& name = marginal.name;
+    const auto given = s.study.target.truth->find(name);
     if (given != s.study.target.truth->end()) {
-      const std::string path = "target.truth." + marginal.name;
+      const std::string path = "target.truth." + name;
       append(found, find_outside(s, marginal, given->second, path, path));
-      continue;
+    } else {
+      const auto p = static_cast<std::size_t>(sim::parameter_index(s.info, name));
+      append(found, find_outside(s, marginal, s.info.parameters[p].nominal, "prior." + name,
+                                 "the truth's " + name + ", its nominal value"));
     }
-    const Index p = sim::parameter_index(s.info, marginal.name);
-    append(found, find_outside(s, marginal, s.info.parameters[static_cast<std::size_t>(p)].nominal,
-                               "prior." + marginal.name,
-                               "the truth's " + marginal.name + ", its nominal value"));
   }
   return found;
 }
@@ -75,10 +74,8 @@ Findings find_exact_channels(const Subject& s) {
       !std::ranges::any_of(s.study.methods, learns)) {
     return {};
   }
-  std::vector<std::string> exact;
-  for (const Channel& channel : s.info.state_channels) {
-    if (!noise.std || !noise.std->contains(channel.label)) exact.push_back(channel.label);
-  }
+  std::vector<std::string> exact = labels_of(s.info.state_channels);
+  std::erase_if(exact, [&](const auto& label) { return noise.std && noise.std->contains(label); });
   if (exact.empty()) return {};
   return s.warn(
       "observation_noise.std",
@@ -120,7 +117,7 @@ Findings find_checks_left_out(const Subject& s) {
   for (const Check check : s.study.diagnose.checks) {
     std::vector<std::string> reasons;  // "" of a method that can be
     for (const MethodConfig& method : s.study.methods) {
-      if (infers(method)) reasons.push_back(s.study.why_unchecked(check, method));
+      if (infers(method)) reasons.push_back(traits_of(check).why_unchecked(s.study, method));
     }
     if (reasons.empty() || std::ranges::count(reasons, "") > 0) continue;
     left_out[reasons.front()].push_back(name_of(check));

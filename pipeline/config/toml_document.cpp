@@ -11,8 +11,9 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pipeline/config/constraint.h"
+#include "pipeline/config/external_config.h"
 #include "pipeline/config/field_reader.h"
-#include "pipeline/config/source_traits.h"
 #include "pipeline/config/study_keys.h"
 
 namespace npdr::pipeline {

@@ -49,7 +49,7 @@ std::string why_not_calibrated(const MethodResults& m) {
            "posteriors are too sure, or too unsure; keep rows back, and see where their parameters "
            "lie in what npdr sample --x draws for them";
   }
-  const bool could_be = study.why_unchecked(Check::coverage, m.method).empty();
+  const bool could_be = traits_of(Check::coverage).why_unchecked(study, m.method).empty();
   if (!could_be || m.checks.calibrates()) return "";
   return fmt::format(
       "it wasn't checked, so nothing shows whether posteriors are too sure, or too "

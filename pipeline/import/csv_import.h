@@ -2,7 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "core/finding.h"
@@ -25,5 +25,12 @@ struct ImportedRecording {
 /// options.check_rates is false. Throws InputError with file, line and column.
 ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
                              const CsvOptions& options);
+
+/// Cuts all rollouts into pieces of `length` steps, 0: those of the shortest; none: checks that
+/// they are equally long. A piece begins at the state that was recorded there, and is a rollout
+/// with the name "rollout.piece", where there are several. Returns what came of it, in a sentence.
+/// Throws InputError for a rollout with fewer steps, and for lengths that differ, with the option
+/// that helps.
+Findings cut_rollouts(Target& target, const std::optional<Index>& length);
 
 }  // namespace npdr::pipeline

@@ -6,7 +6,6 @@
 #include <array>
 #include <cctype>
 #include <functional>
-#include <iterator>
 #include <optional>
 
 #include "core/error.h"
@@ -58,18 +57,13 @@ class ColumnFinder {
   }
 
   std::vector<std::string> ignored_by(const Columns& columns) const {
-    const std::vector<std::string> taken = taken_by(columns);
-    std::vector<std::string> ignored;
-    std::ranges::copy_if(labels_, std::back_inserter(ignored), [&](const std::string& label) {
-      return std::ranges::find(taken, label) == taken.end();
-    });
+    std::vector<std::string> ignored = labels_;
+    for (const std::string& taken : taken_by(columns)) std::erase(ignored, taken);
     return ignored;
   }
 
  private:
-  bool has(const std::string& label) const {
-    return std::ranges::find(labels_, label) != labels_.end();
-  }
+  bool has(const std::string& label) const { return std::ranges::count(labels_, label) > 0; }
 
   // A rate without a column is computed of its position.
   Column state(const Channel& channel) const {
@@ -122,9 +116,10 @@ class ColumnFinder {
   }
 
   bool is_channel(const std::string& label) const {
-    const auto has_label = [&](const Channel& channel) { return channel.label == label; };
-    return std::ranges::any_of(options_.channels.states, has_label) ||
-           std::ranges::any_of(options_.channels.actions, has_label);
+    const auto& [states, actions] = options_.channels;
+    return std::ranges::count(states, label, &Channel::label) +
+               std::ranges::count(actions, label, &Channel::label) >
+           0;
   }
 
   // By its name, such as 'Time' or 'timestamp'; no state or action.
@@ -219,18 +214,6 @@ std::vector<Channel> channels_of_columns(const std::vector<Column>& columns) {
   return channels;
 }
 
-std::vector<RatePair> lacking_rates(const std::vector<Column>& states) {
-  std::vector<RatePair> pairs = rate_pairs(channels_of_columns(states));
-  std::erase_if(pairs, [&](const RatePair& pair) {
-    return states[static_cast<std::size_t>(pair.rate)].index.has_value();
-  });
-  return pairs;
-}
-
-bool increases(const std::vector<double>& times) {
-  return std::ranges::adjacent_find(times, std::greater_equal()) == times.end();
-}
-
 RowMatrix matrix(const std::vector<double>& values, Index rows, std::size_t width) {
   return Eigen::Map<const RowMatrix>(values.data(), rows, static_cast<Index>(width));
 }
@@ -242,7 +225,8 @@ CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& optio
   const ColumnFinder finder(table, options);
   Columns columns = finder.all();
   Values values = read_values(table, columns);
-  if (columns.time && columns.time->is_guess && !increases(values.times)) {
+  if (columns.time && columns.time->is_guess &&
+      std::ranges::adjacent_find(values.times, std::greater_equal()) != values.times.end()) {
     columns.time.reset();
     values.times.clear();
   }
@@ -250,7 +234,10 @@ CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& optio
   rows.name = table.name();
   rows.states = channels_of_columns(columns.states);
   rows.actions = channels_of_columns(columns.actions);
-  rows.lacking = lacking_rates(columns.states);
+  rows.lacking = rate_pairs(rows.states);
+  std::erase_if(rows.lacking, [&](const RatePair& pair) {
+    return columns.states[static_cast<std::size_t>(pair.rate)].index.has_value();
+  });
   if (columns.time) {
     rows.time = columns.time->channel.label;
     rows.time_place = fmt::format("column {} '{}'", *columns.time->index + 1, rows.time);

@@ -1,4 +1,5 @@
-/// One CSV file of a recording, as it was written, and what `npdr import` does with such files.
+/// One CSV file of a recording, as it was written, its clock, the column of times, and options of
+/// `npdr import`.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +9,7 @@
 
 #include "core/target.h"
 #include "pipeline/artefacts/channels.h"
-#include "pipeline/import/rate_pairs.h"
+#include "pipeline/import/rates.h"
 #include "pipeline/store/csv_line.h"
 
 namespace npdr::pipeline {
@@ -60,5 +61,26 @@ struct CsvRows {
 /// Reads a header line of `label [unit]` fields and at least two rows; multiplies columns by their
 /// scales. Throws InputError with file, line and column, and the option that helps.
 CsvRows read_csv_rows(const std::filesystem::path& path, const CsvOptions& options);
+
+/// Steps between the times of a file's rows [s].
+struct TimeSteps {
+  double shortest, median, longest;
+};
+
+TimeSteps steps_of(const std::vector<double>& times);
+
+/// Time between two rows of all files [s]: `given`, else the mean of the first one's equally spaced
+/// times. None of them may be further than 5 % of it from where it belongs, and files and `given`
+/// must agree to 0.1 %, and what rounded times leave open: 10 % of a step over the whole rollout.
+/// Throws InputError, which says how uneven the clock is, and the option that helps.
+double even_step(const std::vector<CsvRows>& files, const std::optional<double>& given);
+
+/// A rollout at the times of such rows on an even grid t_0 + k dt, which begins at the first time
+/// and ends before, or at, the last one. States are interpolated linearly. An action is held from
+/// its time to the next one, so each step gets the one that is held in its middle: the one that
+/// acts for most of it, also when times are rounded. `dt` [s] > 0. Throws InputError unless the
+/// times increase, without a gap of more than ten steps: dt, or the usual one where that is longer;
+/// for a dt longer than the whole duration, and for one that makes thousands of rows of each.
+Rollout resampled(const CsvRows& rows, const Rollout& rollout, double dt);
 
 }  // namespace npdr::pipeline

@@ -1,5 +1,3 @@
-#include "pipeline/import/csv_times.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/quantile.h"
+#include "pipeline/import/csv_rows.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -22,7 +21,7 @@ constexpr double kRounding = 1e-3;
 // Straight lines say nothing new, but fill the memory.
 constexpr double kMostRowsPerRow = 1000.0;
 
-std::vector<double> differences(const std::vector<double>& times) {
+std::vector<double> steps_between(const std::vector<double>& times) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
   return steps;
@@ -45,7 +44,7 @@ std::string resample_hint(const TimeSteps& steps) {
 
 // A lost line is found where it is missing.
 void require_steps(const CsvRows& rows, double least, double most, const std::string& advice) {
-  const std::vector<double> steps = differences(rows.times);
+  const std::vector<double> steps = steps_between(rows.times);
   const auto refuse = [&](auto step, const std::string& problem) {
     if (step == steps.end()) return;
     const auto row = static_cast<std::size_t>(step - steps.begin()) + 1;
@@ -114,7 +113,7 @@ Index num_steps_of(const CsvRows& rows, double dt) {
 }  // namespace
 
 TimeSteps steps_of(const std::vector<double>& times) {
-  std::vector<double> steps = differences(times);
+  std::vector<double> steps = steps_between(times);
   std::ranges::sort(steps);
   return {steps.front(), quantile_of_sorted(steps, 0.5, Between::upper), steps.back()};
 }

@@ -36,12 +36,6 @@ double size_of(const Vector& values) {
 // The same about the median.
 double spread_of(const Vector& values) { return size_of(values.array() - median(values)); }
 
-Vector differences(const Vector& values) {
-  return values.tail(values.size() - 1) - values.head(values.size() - 1);
-}
-
-double median_size(const Vector& values) { return median(Vector(values.cwiseAbs())); }
-
 // Slopes of the positions, and averages of the rates that belong to them, of every whole window.
 struct Slopes {
   Vector of_position, of_rate;
@@ -113,7 +107,7 @@ std::vector<Index> find_leaps(const Vector& position, const Vector& rate, double
   left.array() -= median(left);
   const Vector size = left.cwiseAbs();
   const double range = position.maxCoeff() - position.minCoeff();
-  const double least = std::max({0.25 * range, kLeapStandsOut * median_size(left),
+  const double least = std::max({0.25 * range, kLeapStandsOut * median(Vector(left.cwiseAbs())),
                                  kFewestCounts * analysis::smallest_step(position)});
   std::vector<Index> leaps;
   for (Index t = 0; t < n; ++t) {

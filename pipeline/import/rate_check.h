@@ -1,4 +1,5 @@
-/// Whether a recorded rate is the slope of the recorded position.
+/// Whether a recorded rate is the slope of the recorded position, and in words what is likely wrong
+/// with a recording where it isn't.
 ///
 /// The slope of a line through a window of positions (Savitzky and Golay 1964) is an average of the
 /// rates in the window, sum_j b_j x[t + j] = sum_k g_k v[t + k] (sim/savitzky_golay.h). So both are
@@ -9,9 +10,13 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "core/finding.h"
+#include "core/target.h"
 #include "core/types.h"
+#include "pipeline/import/rates.h"
 
 namespace npdr::pipeline {
 
@@ -46,5 +51,15 @@ RateVerdict verdict_of(const RateFit& fit);
 /// turn, samples that are missing or stand still, numbers in place of none. None where fewer than
 /// kFewestSamples are there, and none of an encoder's single counts.
 std::vector<Index> find_leaps(const Vector& position, const Vector& rate, double dt);
+
+/// What speaks against rates or, where nothing does, notes of what was checked, and what couldn't
+/// be. The options that messages name are those of `npdr import`.
+///
+/// Compares the rates of all `pairs` with the slopes of their positions in every rollout; whole
+/// turns that an angle jumps by are left out first. `time`: the label of the column of times, empty
+/// where dt was given; `of_options` follows messages that name options. A ratio that all pairs
+/// share says that dt is wrong, one near 57.3 that a column is in degrees.
+Findings find_in_rates(const Target& target, const std::vector<RatePair>& pairs,
+                       const std::string& time, const std::string& of_options = "");
 
 }  // namespace npdr::pipeline

@@ -1,5 +1,3 @@
-#include "pipeline/import/rate_report.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,8 +7,9 @@
 #include <optional>
 
 #include "core/text.h"
-#include "pipeline/import/angle_wraps.h"
-#include "pipeline/import/glitches.h"
+#include "pipeline/import/jumps.h"
+#include "pipeline/import/rate_check.h"
+#include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -113,9 +112,8 @@ bool is_slope(const Target& target, Index rate, Index position) {
 // its position. "": neither.
 std::string words_of_swap(const Target& target, const std::vector<RatePair>& pairs,
                           const RatePair& pair) {
-  const auto label = [&](Index c) {
-    return target.state_channels[static_cast<std::size_t>(c)].label;
-  };
+  const auto labels = labels_of(target.state_channels);
+  const auto label = [&](Index c) { return labels[static_cast<std::size_t>(c)]; };
   if (is_slope(target, pair.position, pair.rate)) {
     return fmt::format("{} is the slope of {}: the two columns are swapped; correct the header",
                        label(pair.position), label(pair.rate));

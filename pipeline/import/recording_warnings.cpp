@@ -4,12 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 
-#include "pipeline/import/angle_wraps.h"
-#include "pipeline/import/glitches.h"
-#include "pipeline/import/rate_pairs.h"
-#include "pipeline/import/rate_report.h"
+#include "pipeline/import/jumps.h"
+#include "pipeline/import/rate_check.h"
 #include "sim/savitzky_golay.h"
 
 namespace npdr::pipeline {
@@ -34,16 +31,11 @@ bool is_computed(const Rollout& rollout, const RatePair& pair, double dt) {
 
 std::vector<RatePair> measured_pairs(const Target& recording) {
   std::vector<RatePair> pairs = rate_pairs(recording.state_channels);
-  std::ranges::copy(likely_rate_pairs(recording.state_channels), std::back_inserter(pairs));
+  append(pairs, likely_rate_pairs(recording.state_channels));
   std::erase_if(pairs, [&](const RatePair& pair) {
     return is_computed(recording.rollouts.front(), pair, recording.dt);
   });
   return pairs;
-}
-
-bool is_copy(const Rollout& one, const Rollout& other) {
-  return one.states.rows() == other.states.rows() && one.states == other.states &&
-         one.actions == other.actions;
 }
 
 Findings find_wrapped_angles(const Target& recording) {
@@ -80,11 +72,14 @@ constexpr std::array<Probe<Target>, 4> kProbes = {{
 std::vector<std::pair<std::size_t, std::size_t>> copies_of(const Target& recording) {
   std::vector<std::pair<std::size_t, std::size_t>> copies;
   for (std::size_t j = 1; j < recording.rollouts.size(); ++j) {
-    for (std::size_t i = 0; i < j; ++i) {
-      if (!is_copy(recording.rollouts[i], recording.rollouts[j])) continue;
-      copies.emplace_back(i, j);
-      break;
-    }
+    const Rollout& other = recording.rollouts[j];
+    const auto one = std::ranges::find_if(recording.rollouts, [&](const Rollout& rollout) {
+      return &rollout == &other ||
+             (rollout.states.rows() == other.states.rows() && rollout.states == other.states &&
+              rollout.actions == other.actions);
+    });
+    const auto i = static_cast<std::size_t>(one - recording.rollouts.begin());
+    if (i < j) copies.emplace_back(i, j);
   }
   return copies;
 }

@@ -14,7 +14,7 @@
 #include "core/enum_names.h"
 #include "core/target.h"
 #include "pipeline/artefacts/work_folder.h"
-#include "pipeline/config/cluster_config.h"
+#include "pipeline/config/study.h"
 #include "pipeline/config/study.h"
 #include "pipeline/sources/source.h"
 #include "pipeline/store/artefact.h"

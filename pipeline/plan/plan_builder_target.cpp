@@ -2,7 +2,7 @@
 // out, and the policies that are searched for and tested.
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/config/rollout_check.h"
+#include "pipeline/config/study_check.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/plan/plan_builder.h"
 

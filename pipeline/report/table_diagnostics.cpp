@@ -28,7 +28,7 @@ void note_left_out(const ReportData& data, const std::string& method,
   const Study& study = data.plan.study;
   std::vector<std::pair<std::string, std::vector<std::string>>> left_out;  // by reason
   for (const Check check : study.diagnose.checks) {
-    const std::string why = study.why_unchecked(check, study.method(method));
+    const std::string why = traits_of(check).why_unchecked(study, study.method(method));
     if (why.empty() || traits_of(check).is_of_some_methods) continue;
     if (left_out.empty() || left_out.back().first != why) left_out.push_back({why, {}});
     left_out.back().second.push_back(name_of(check));

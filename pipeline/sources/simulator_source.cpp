@@ -1,7 +1,7 @@
 #include <functional>
 
 #include "pipeline/artefacts/recording.h"
-#include "pipeline/config/library_config.h"
+#include "pipeline/config/simulator_info.h"
 #include "pipeline/sources/program_call.h"
 #include "pipeline/sources/source.h"
 #include "pipeline/store/hash.h"

@@ -11,9 +11,8 @@
 #include "core/text.h"
 #include "pipeline/artefacts/feature_file.h"
 #include "pipeline/artefacts/recording.h"
-#include "pipeline/config/rollout_check.h"
 #include "pipeline/config/simulator_info.h"
-#include "pipeline/config/source_check.h"
+#include "pipeline/config/study_check.h"
 #include "pipeline/config/study_json.h"
 
 namespace npdr::pipeline {

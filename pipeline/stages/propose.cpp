@@ -12,7 +12,7 @@
 #include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/config/rollout_check.h"
+#include "pipeline/config/study_check.h"
 #include "pipeline/features/observation.h"
 #include "pipeline/predictions/policy_rollouts.h"
 #include "pipeline/process/progress.h"

@@ -2,7 +2,7 @@
 #include "core/text.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/config/simulator_info.h"
-#include "pipeline/config/study_warnings.h"
+#include "pipeline/config/study_check.h"
 #include "pipeline/plan/plan.h"
 #include "tests/golden_file.h"
 #include "tests/pipeline/small_study.h"

@@ -2,7 +2,7 @@
 
 #include "core/text.h"
 #include "pipeline/config/constraint.h"
-#include "pipeline/config/program_check.h"
+#include "pipeline/config/study_check.h"
 #include "tests/pipeline/small_study.h"
 #include "tests/temp_folder.h"
 

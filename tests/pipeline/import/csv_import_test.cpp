@@ -5,8 +5,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "pipeline/import/csv_import.h"
-#include "pipeline/import/csv_times.h"
-#include "pipeline/import/rollout_length.h"
+#include "pipeline/import/csv_rows.h"
 #include "tests/study_text.h"
 #include "tests/temp_folder.h"
 

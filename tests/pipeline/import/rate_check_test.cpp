@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "pipeline/import/rate_check.h"
-#include "pipeline/import/rate_pairs.h"
+#include "pipeline/import/rates.h"
 #include "tests/pipeline/import/encoder_motion.h"
 
 namespace npdr::pipeline {

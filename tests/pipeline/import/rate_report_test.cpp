@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/text.h"
-#include "pipeline/import/rate_report.h"
+#include "pipeline/import/rate_check.h"
 #include "pipeline/import/recording_warnings.h"
 #include "sim/savitzky_golay.h"
 #include "tests/message_of.h"

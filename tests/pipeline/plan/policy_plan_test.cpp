@@ -1,7 +1,7 @@
 // Plans of studies with policies, and on recordings.
 
 #include "core/error.h"
-#include "pipeline/config/rollout_check.h"
+#include "pipeline/config/study_check.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/run/scheduler.h"
 #include "tests/pipeline/plan/plan_parts.h"

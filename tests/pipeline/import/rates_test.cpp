@@ -1,4 +1,4 @@
-#include "pipeline/import/computed_rates.h"
+#include "pipeline/import/rates.h"
 
 #include <cmath>
 

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "pipeline/import/angle_wraps.h"
-#include "pipeline/import/glitches.h"
+#include "pipeline/import/jumps.h"
 #include "tests/pipeline/import/encoder_motion.h"
 
 namespace npdr::pipeline {

@@ -1,35 +1,23 @@
-#include "pipeline/config/source_traits.h"
-
-#include <array>
-
 #include "pipeline/config/external_config.h"
 
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kAdviceOfPrograms =
-    "see the logs beside its shards, narrow the prior (values beyond 3.4e38 have diverged, too)";
+// Of a program of the user's.
+constexpr SourceTraits of_program(SourceTraits traits) {
+  traits.calls_program = traits.takes_seeds = true;
+  traits.advice =
+      "see the logs beside its shards, narrow the prior (values beyond 3.4e38 have diverged, too)";
+  return traits;
+}
 
 constexpr std::array<SourceTraits, 7> kTraits = {{
     {.is_built_in = true,
      .describes_itself = true,
      .advice = "narrow the prior, use more simulator.substeps"},
-    {.kind = SourceKind::command,
-     .name = "command",
-     .gives_motion = false,
-     .calls_program = true,
-     .takes_seeds = true,
-     .advice = kAdviceOfPrograms},
-    {.kind = SourceKind::motion_command,
-     .name = "command",
-     .calls_program = true,
-     .takes_seeds = true,
-     .advice = kAdviceOfPrograms},
-    {.kind = SourceKind::worker,
-     .name = "worker",
-     .calls_program = true,
-     .takes_seeds = true,
-     .advice = kAdviceOfPrograms},
+    of_program({.kind = SourceKind::command, .name = "command", .gives_motion = false}),
+    of_program({.kind = SourceKind::motion_command, .name = "command"}),
+    of_program({.kind = SourceKind::worker, .name = "worker"}),
     {.kind = SourceKind::library,
      .name = "library",
      .describes_itself = true,
