@@ -13,9 +13,6 @@ namespace npdr::pipeline {
 
 /// Parts of the page, the answers first; one is shown when anything in it exists.
 enum class Section { posteriors, fit, diagnostics, next_steps, policies, samples, details };
-inline constexpr Section kSections[] = {
-    Section::posteriors, Section::fit,     Section::diagnostics, Section::next_steps,
-    Section::policies,   Section::samples, Section::details};
 
 struct ReportedFigure {
   analysis::Figure figure;

@@ -1,9 +1,9 @@
 #include <numbers>
 #include <set>
 
-#include "pipeline/report/figure_parts.h"
+#include "pipeline/report/parts.h"
 #include "pipeline/report/registry.h"
-#include "pipeline/report/texts.h"
+#include "pipeline/report/report.h"
 #include "tests/pipeline/findings/findings_fixture.h"
 #include "tests/pipeline/small_study.h"
 

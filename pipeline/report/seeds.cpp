@@ -4,8 +4,7 @@
 
 #include "core/constants.h"
 #include "inference/samplers/chain_diagnostics.h"
-#include "pipeline/report/registry.h"
-#include "pipeline/report/table_parts.h"
+#include "pipeline/report/parts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -20,7 +19,7 @@ TableOf<const EvaluatedRun*> table_of_runs(const ReportData& data, std::string c
           .row_header = "Method, seed",
           .rows = std::move(runs),
           .label = [](const EvaluatedRun* run) {
-            return experiment_label(run->use.method, run->use.seed);
+            return fmt::format("{}, {}", run->use.method, run->use.seed);
           }};
 }
 

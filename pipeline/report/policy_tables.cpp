@@ -3,9 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/plan/completeness.h"
-#include "pipeline/report/policy_parts.h"
-#include "pipeline/report/registry.h"
-#include "pipeline/report/table_parts.h"
+#include "pipeline/report/parts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -172,7 +170,7 @@ TableOf<PolicyOfSeed> table_of_policies_of_seeds(const ReportData& data, std::st
   for (const std::string& method : data.policy_methods()) {
     for (std::size_t s = 0; s < data.seeds.size(); ++s) {
       const PolicyHistory* last = histories_of(data, method, data.seeds[s]).back();
-      table.rows.push_back({experiment_label(method, data.seeds[s]),
+      table.rows.push_back({fmt::format("{}, {}", method, data.seeds[s]),
                             last->policies.bottomRows(1).transpose(), last, s, method});
     }
   }

@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "core/constants.h"
-#include "pipeline/report/registry.h"
-#include "pipeline/report/table_parts.h"
+#include "pipeline/report/parts.h"
 
 namespace npdr::pipeline {
 namespace {
