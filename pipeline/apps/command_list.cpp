@@ -24,89 +24,61 @@
 namespace npdr::pipeline {
 namespace {
 
-// A line about each name that studies choose from.
+// A line about each name that studies choose from; checks have questions of their own.
+const std::map<std::string_view, const char*> kWords = {
+    // algorithms
+    {"npe_nle",
+     "networks learn the posterior and the likelihood, pooled by what predicts best; the "
+     "usual choice; later rounds simulate the prior where the posterior is"},
+    {"npe_a", "a mixture learns the posterior; later rounds are divided by their proposal"},
+    {"npe_b",
+     "a network learns the posterior; later rounds weight simulations by prior / proposal"},
+    {"npe_c", "a network learns the posterior; later rounds simulate draws of the posterior"},
+    {"nle", "a network learns the likelihood, which a sampler makes a posterior of"},
+    {"nre_a", "a classifier learns likelihood / evidence: pairs that belong together or don't"},
+    {"nre_b", "the same, of one pair among several"},
+    {"abc_rejection", "simulations of the prior whose distance to the observation is small"},
+    {"abc_mcmc", "the same by Markov chains"},
+    {"abc_smc", "the same by populations that come nearer from round to round"},
+    {"linear_regression",
+     "the equations of motion as a Bayesian regression on the recording, no simulation"},
+    {"refine",
+     "the posterior under the noise's likelihood, from another method's, with its evidence"},
+    {"prior", "infers nothing: domain randomization over the prior"},
+    {"nominal", "infers nothing: the nominal parameters"},
+    // embeddings
+    {"convolution",
+     "the states of all kept steps through convolutions that are trained with the network"},
+    {"linear", "the states of all kept steps through a layer that is trained with the network"},
+    {"all_steps", "the states of all kept steps"},
+    {"delta_steps", "their differences from step to step"},
+    {"last_step", "the last states alone"},
+    {"bayessim", "sums over each series: short, and blind to much of it"},
+    {"identity", "the features as the simulator gives them"},
+    // estimators
+    {"maf", "masked autoregressive flow: any shape with one bulge or a few"},
+    {"mdn", "mixture of Gaussians: quick, for a few modes"},
+    {"nsf", "neural spline flow: sharp and bent shapes, slower"},
+    {"resnet", "residual network, for ratios alone (nre_a, nre_b)"},
+    // priors
+    {"uniform", "[low, high]: every value between is as likely"},
+    {"log_uniform", "[low, high] with low > 0: every order of magnitude is as likely"},
+    {"normal", "[mean, standard deviation], without bounds"},
+    {"log_normal", "[mean of log, standard deviation of log]: positive, without an upper bound"},
+    // integrators
+    {"erk4", "Runge-Kutta of order 4 with fixed steps"},
+    {"erk2", "of order 2"},
+    {"erk5", "of order 5"},
+    {"cvode", "steps and orders that adapt to tolerances, for stiff systems"},
+    // metrics
+    {"dtw", "distance of trajectories that may be shifted in time (dynamic time warping)"},
+    {"rmse", "root mean square error of the states, over their largest recorded magnitude"},
+    {"final_error", "distance of the last states, where all have one unit"},
+    {"goal", "share of the rollouts that end at the simulator's goal"},
+    {"distance", "of features, in standard deviations over the prior"}};
 
-std::string words_of(inference::Algorithm value) {
-  using enum inference::Algorithm;
-  static const std::map<inference::Algorithm, std::string> words = {
-      {npe_nle,
-       "networks learn the posterior and the likelihood, pooled by what predicts best; the "
-       "usual choice; later rounds simulate the prior where the posterior is"},
-      {npe_a, "a mixture learns the posterior; later rounds are divided by their proposal"},
-      {npe_b,
-       "a network learns the posterior; later rounds weight simulations by prior / proposal"},
-      {npe_c, "a network learns the posterior; later rounds simulate draws of the posterior"},
-      {nle, "a network learns the likelihood, which a sampler makes a posterior of"},
-      {nre_a, "a classifier learns likelihood / evidence: pairs that belong together or don't"},
-      {nre_b, "the same, of one pair among several"},
-      {abc_rejection, "simulations of the prior whose distance to the observation is small"},
-      {abc_mcmc, "the same by Markov chains"},
-      {abc_smc, "the same by populations that come nearer from round to round"},
-      {linear_regression,
-       "the equations of motion as a Bayesian regression on the recording, no simulation"},
-      {refine,
-       "the posterior under the noise's likelihood, from another method's, with its evidence"},
-      {prior, "infers nothing: domain randomization over the prior"},
-      {nominal, "infers nothing: the nominal parameters"}};
-  return words.at(value);
-}
-
-std::string words_of(inference::EmbeddingKind value) {
-  using enum inference::EmbeddingKind;
-  static const std::map<inference::EmbeddingKind, std::string> words = {
-      {convolution,
-       "the states of all kept steps through convolutions that are trained with the network"},
-      {linear, "the states of all kept steps through a layer that is trained with the network"},
-      {all_steps, "the states of all kept steps"},
-      {delta_steps, "their differences from step to step"},
-      {last_step, "the last states alone"},
-      {bayessim, "sums over each series: short, and blind to much of it"},
-      {identity, "the features as the simulator gives them"}};
-  return words.at(value);
-}
-
-std::string words_of(inference::EstimatorKind value) {
-  using enum inference::EstimatorKind;
-  static const std::map<inference::EstimatorKind, std::string> words = {
-      {maf, "masked autoregressive flow: any shape with one bulge or a few"},
-      {mdn, "mixture of Gaussians: quick, for a few modes"},
-      {nsf, "neural spline flow: sharp and bent shapes, slower"},
-      {resnet, "residual network, for ratios alone (nre_a, nre_b)"}};
-  return words.at(value);
-}
-
-std::string words_of(inference::Marginal::Kind value) {
-  using enum inference::Marginal::Kind;
-  static const std::map<inference::Marginal::Kind, std::string> words = {
-      {uniform, "[low, high]: every value between is as likely"},
-      {log_uniform, "[low, high] with low > 0: every order of magnitude is as likely"},
-      {normal, "[mean, standard deviation], without bounds"},
-      {log_normal, "[mean of log, standard deviation of log]: positive, without an upper bound"}};
-  return words.at(value);
-}
-
-std::string words_of(sim::Integrator value) {
-  using enum sim::Integrator;
-  static const std::map<sim::Integrator, std::string> words = {
-      {erk4, "Runge-Kutta of order 4 with fixed steps"},
-      {erk2, "of order 2"},
-      {erk5, "of order 5"},
-      {cvode, "steps and orders that adapt to tolerances, for stiff systems"}};
-  return words.at(value);
-}
-
-std::string words_of(Metric value) {
-  using enum Metric;
-  static const std::map<Metric, std::string> words = {
-      {dtw, "distance of trajectories that may be shifted in time (dynamic time warping)"},
-      {rmse, "root mean square error of the states, over their largest recorded magnitude"},
-      {final_error, "distance of the last states, where all have one unit"},
-      {goal, "share of the rollouts that end at the simulator's goal"},
-      {distance, "of features, in standard deviations over the prior"}};
-  return words.at(value);
-}
-
-std::string words_of(Check check) { return std::string(traits_of(check).question); }
+std::string_view words_of(const auto& row) { return kWords.at(row.name); }
+std::string_view words_of(const CheckTraits& row) { return row.question; }
 
 std::string limits_text(const sim::Parameter& p) {
   const bool is_limited = std::isfinite(p.lower) || std::isfinite(p.upper);
@@ -172,7 +144,7 @@ void list_keys(const ListArguments& arguments) {
 template <NamedEnum E>
 void list_names(const ListArguments&) {
   for (const auto& row : enum_table(E{})) {
-    if (!row.name.empty()) fmt::print("{:<18} {}\n", row.name, words_of(row.value));
+    if (!row.name.empty()) fmt::print("{:<18} {}\n", row.name, words_of(row));
   }
 }
 

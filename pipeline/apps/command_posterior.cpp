@@ -18,7 +18,6 @@
 #include "inference/embeddings/embedding.h"
 #include "inference/samplers/chain_diagnostics.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/artefacts/feature_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/recording.h"

@@ -9,7 +9,6 @@
 #include "core/finding.h"
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/cluster_status.h"
 #include "pipeline/process/fitted_text.h"
 #include "pipeline/process/progress.h"

@@ -9,28 +9,11 @@
 
 namespace npdr::pipeline {
 
-Action run_command(CLI::App& command);
-Action submit_command(CLI::App& command);
-Action cancel_command(CLI::App& command);
-Action tasks_command(CLI::App& command);
-Action task_command(CLI::App& command);
-Action status_command(CLI::App& command);
-Action explain_command(CLI::App& command);
-Action validate_command(CLI::App& command);
-Action new_command(CLI::App& command);
-Action list_command(CLI::App& command);
-Action open_command(CLI::App& command);
-Action import_command(CLI::App& command);
-Action inspect_command(CLI::App& command);
-Action verify_command(CLI::App& command);
-Action sample_command(CLI::App& command);
-Action log_prob_command(CLI::App& command);
-Action compare_command(CLI::App& command);
-Action evidence_command(CLI::App& command);
-Action export_command(CLI::App& command);
-Action help_command(CLI::App& command);
-Action man_command(CLI::App& command);
-Action completion_command(CLI::App& command);
+OptionAdder run_command, submit_command, cancel_command, tasks_command, task_command,
+    status_command, explain_command, validate_command, new_command, list_command, open_command,
+    import_command, inspect_command, verify_command, sample_command, log_prob_command,
+    compare_command, evidence_command, export_command, help_command, man_command,
+    completion_command;
 
 /// In the order of the help.
 constexpr Command kCommands[] = {
