@@ -40,23 +40,18 @@ struct Comparison {
   inference::Mmd mmd;
 };
 
-Index smaller_size(const CompareArguments& arguments, const SampleSet& first,
-                   const SampleSet& second) {
-  for (const SampleSet* set : {&first, &second}) {
-    if (set->rows.rows() >= inference::kFewestRowsOfSample) continue;
-    throw InputError(fmt::format("{}: {} rows, must be at least {}", set->where, set->rows.rows(),
-                                 inference::kFewestRowsOfSample));
-  }
-  return std::min({arguments.most_rows, first.rows.rows(), second.rows.rows()});
-}
-
 Comparison compare(const CompareArguments& arguments) {
   const StreamId id{arguments.seed, "compare_rows", 0, 0, 0};
   SampleSet first =
       read_sample_set(arguments.first, arguments.datasets.front(), arguments.most_rows, id);
   SampleSet second = in_order_of(
       first, read_sample_set(arguments.second, arguments.datasets.back(), arguments.most_rows, id));
-  const Index n = smaller_size(arguments, first, second);
+  for (const SampleSet* set : {&first, &second}) {
+    if (set->rows.rows() >= inference::kFewestRowsOfSample) continue;
+    throw InputError(fmt::format("{}: {} rows, must be at least {}", set->where, set->rows.rows(),
+                                 inference::kFewestRowsOfSample));
+  }
+  const Index n = std::min({arguments.most_rows, first.rows.rows(), second.rows.rows()});
   for (SampleSet* set : {&first, &second}) {
     set->rows = set->rows(spread_positions(n, set->rows.rows(), id), Eigen::all).eval();
   }
@@ -288,9 +283,7 @@ void print_as_json(const Evidence& evidence) {
                     {"pareto_k", c.pareto_k},
                     {"verdict", verdict_on(model, best)}});
   }
-  const nlohmann::ordered_json json = {{"num_values", std::ssize(evidence.data->stored)},
-                                       {"models", rows}};
-  print_json(json);
+  print_json({{"num_values", std::ssize(evidence.data->stored)}, {"models", rows}});
 }
 
 }  // namespace
@@ -313,11 +306,10 @@ Action compare_command(CLI::App& command) {
   add_seed_option(command, "--seed", arguments->seed);
   command.add_flag("--json", arguments->json, "for programs");
   command.footer("Example:\n  npdr compare mine.csv runs/study/npe/seed-1/round-1/evaluate.h5");
-  return [arguments] {
+  return done_after([arguments] {
     const Comparison comparison = compare(*arguments);
     arguments->json ? print_as_json(comparison) : print_text(comparison);
-    return ExitStatus::done;
-  };
+  });
 }
 
 Action evidence_command(CLI::App& command) {
@@ -330,11 +322,10 @@ Action evidence_command(CLI::App& command) {
   arguments->settings.add_settings_to(command);
   command.add_flag("--json", arguments->json, "for programs");
   command.footer("Example:\n  npdr evidence white.toml correlated.toml with_cable.toml");
-  return [arguments] {
+  return done_after([arguments] {
     const Evidence evidence = collect(*arguments);
     arguments->json ? print_as_json(evidence) : print_text(evidence);
-    return ExitStatus::done;
-  };
+  });
 }
 
 }  // namespace npdr::pipeline

@@ -102,10 +102,6 @@ void print_lines(const Lines& lines) {
   for (const std::string& line : lines) print_line("{}", line);
 }
 
-void print_tree(const h5::File& file, const std::string& indent) {
-  print_lines(Tree().lines_of(file, indent));
-}
-
 // A dataset, a recording, or what somebody else has made.
 void print_other_file(const h5::File& file, const std::string& path) {
   if (file.has("theta") && file.has("x")) {
@@ -122,20 +118,17 @@ void print_other_file(const h5::File& file, const std::string& path) {
   } else {
     print_line("{}: neither an artefact, a recording (states) nor a dataset (theta, x)", path);
   }
-  print_tree(file, "  ");
+  print_lines(Tree().lines_of(file, "  "));
 }
 
 void print_file(const std::string& path, bool study, bool digest) {
   const h5::File file = h5::File::open(path);
-  if (study && !file.has_attribute("schema")) {
+  if (!file.has_attribute("schema")) {
+    if (!study) return print_other_file(file, path);
     throw InputError(path + ": isn't an artefact, so that it belongs to no study");
   }
-  if (!file.has_attribute("schema")) return print_other_file(file, path);
   const ArtefactInfo info = read_artefact_info(path);
-  if (study) {
-    print_json(info.identity.study);
-    return;
-  }
+  if (study) return print_json(info.identity.study);
   print_line("{}: {} (schema {}) made by stage '{}'", path, info.schema.name, info.schema.version,
              info.schema.stage);
   print_line("  key      {}", info.key);
@@ -152,7 +145,7 @@ void print_file(const std::string& path, bool study, bool digest) {
   if (!own.empty()) print_line("  attributes");
   for (const std::string& name : own) print_line("    @{} = {}", name, attribute_text(file, name));
   print_line("  datasets");
-  print_tree(file, "    ");
+  print_lines(Tree().lines_of(file, "    "));
 }
 
 // Any HDF5 file may be looked at, and some crash the library: a child goes first.
@@ -166,7 +159,7 @@ void print_place(const std::string& what, const std::filesystem::path& path, boo
              is_there ? "" : "  (isn't there yet, or is of other settings: npdr run)");
 }
 
-ExitStatus open_study(const StudyArguments& arguments, bool in_browser) {
+void open_study(const StudyArguments& arguments, bool in_browser) {
   const Plan plan = arguments.plan_here("npdr open");
   const bool is_there = is_complete(plan, plan.nodes.back());
   const std::filesystem::path folder = plan.work.study(plan.study.name);
@@ -180,7 +173,6 @@ ExitStatus open_study(const StudyArguments& arguments, bool in_browser) {
   for (const auto& [node, use] : last_nodes(plan, Stage::infer)) {
     print_place("posterior", link_of(plan, *node, use), is_complete(plan, *node));
   }
-  return ExitStatus::done;
 }
 
 struct ExportArguments {
@@ -221,7 +213,7 @@ Action open_command(CLI::App& command) {
   arguments->add_to(command);
   command.add_flag("--browser", *in_browser, "open the report with xdg-open instead");
   command.footer("Example:\n  npdr open study.toml --browser");
-  return [arguments, in_browser] { return open_study(*arguments, *in_browser); };
+  return done_after([arguments, in_browser] { open_study(*arguments, *in_browser); });
 }
 
 Action export_command(CLI::App& command) {

@@ -96,8 +96,7 @@ void StudyArguments::add_selection_to(CLI::App& app) {
          "--seeds",
          [this](const std::vector<std::string>& texts) {
            try {
-             const std::vector<Index> ranges =
-                 parse_ranges(fmt::format("{}", fmt::join(texts, ",")));
+             const std::vector<Index> ranges = parse_ranges(join(texts, ","));
              seeds.assign(ranges.begin(), ranges.end());
            } catch (const InputError& error) {
              throw CLI::ValidationError("--seeds", error.what());

@@ -80,11 +80,6 @@ const std::map<std::string_view, const char*> kWords = {
 std::string_view words_of(const auto& row) { return kWords.at(row.name); }
 std::string_view words_of(const CheckTraits& row) { return row.question; }
 
-std::string limits_text(const sim::Parameter& p) {
-  const bool is_limited = std::isfinite(p.lower) || std::isfinite(p.upper);
-  return is_limited ? fmt::format("[{:g}, {:g}]", p.lower, p.upper) : "";
-}
-
 void list_channels(const char* title, const std::vector<Channel>& channels) {
   if (!channels.empty()) fmt::print("{}:\n", title);
   for (const Channel& channel : channels) {
@@ -97,8 +92,9 @@ void list_simulator(const sim::SimulatorInfo& info, bool gives_motion = true) {
              info.description);
   for (const sim::Parameter& p : info.parameters) {
     const std::string nominal = std::isnan(p.nominal) ? "none" : fmt::format("{:.6g}", p.nominal);
-    fmt::print("    {:<24} {:>10} {:<12} {:<16} {}\n", p.name, nominal, p.unit, limits_text(p),
-               p.description);
+    const bool is_limited = std::isfinite(p.lower) || std::isfinite(p.upper);
+    fmt::print("    {:<24} {:>10} {:<12} {:<16} {}\n", p.name, nominal, p.unit,
+               is_limited ? fmt::format("[{:g}, {:g}]", p.lower, p.upper) : "", p.description);
   }
   list_channels(gives_motion ? "states" : "features", info.state_channels);
   if (gives_motion) list_channels("actions", info.action_channels);
@@ -184,16 +180,14 @@ std::vector<std::string> list_names() {
   return names;
 }
 
-void list_lists() {
-  for (const List& list : kLists) {
-    const std::string name =
-        std::string(list.name) + (list.of ? fmt::format(" [{}]", list.of) : "");
-    fmt::print("npdr list {:<20} {}\n", name, list.doc);
-  }
-}
-
 void list(const ListArguments& arguments) {
-  if (arguments.what.empty()) return list_lists();
+  if (arguments.what.empty()) {
+    for (const List& list : kLists) {
+      const std::string of = list.of ? fmt::format(" [{}]", list.of) : "";
+      fmt::print("npdr list {:<20} {}\n", std::string(list.name) + of, list.doc);
+    }
+    return;
+  }
   const auto found = std::ranges::find(kLists, arguments.what, &List::name);
   if (found == std::end(kLists)) {
     throw InputError(unknown_name("list", arguments.what, list_names()));

@@ -106,7 +106,11 @@ class Writer {
   }
 
   std::string text() {
-    add_head();
+    text_ = fmt::format(
+        "# Check it with `npdr validate {0}.toml{1}`, run it with `npdr run {0}.toml`.\n"
+        "# Lines with EDIT need you; docs/study-files.md explains every key.\n\n[study]\nname = "
+        "\"{0}\"\n\n",
+        wanted_.name, wanted_.has("dataset") ? "" : " --try 3");
     add_target();
     add_simulator();
     add_prior();
@@ -118,8 +122,6 @@ class Writer {
   // A program says nothing of itself.
   bool is_program() const { return wanted_.has("command") || wanted_.has("worker"); }
   bool gives_motion() const { return (!wanted_.has("command") && !dataset_) || recording_; }
-
-  bool holds_out() const { return recording_ && recording_->num_rollouts() >= 3; }
 
   void find_simulator() {
     Study study;
@@ -137,8 +139,10 @@ class Writer {
       }
       info_ = simulator_info(study);
     }
-    if (recording_ && !is_program()) read_recording(wanted_.of("recording"), channels_of(info_));
-    if (recording_ && is_program()) {
+    if (!recording_) return;
+    if (!is_program()) {
+      read_recording(wanted_.of("recording"), channels_of(info_));
+    } else {
       info_.state_channels = recording_->state_channels;
       info_.action_channels = recording_->action_channels;
     }
@@ -164,19 +168,11 @@ class Writer {
     return marginals;
   }
 
-  void add_head() {
-    text_ += fmt::format(
-        "# Check it with `npdr validate {0}.toml{1}`, run it with `npdr run {0}.toml`.\n"
-        "# Lines with EDIT need you; docs/study-files.md explains every key.\n\n[study]\nname = "
-        "\"{0}\"\n\n",
-        wanted_.name, !wanted_.has("dataset") ? " --try 3" : "");
-  }
-
   void add_target() {
     text_ += "[target]\n";
     if (recording_) {
       text_ += fmt::format("recording = {}\n", quoted_toml(wanted_.of("recording")));
-      if (holds_out()) {
+      if (recording_->num_rollouts() >= 3) {
         text_ += fmt::format(
             "num_rollouts = {}  # that inference sees\n"
             "held_out = 1  # that it doesn't, to predict; EDIT: 0 to use all\n",
@@ -292,9 +288,9 @@ class Writer {
     text_ += "\n";
   }
 
-  // A recording is off by what its simulator lacks, too, which nobody knows beforehand.
+  // A recording is off by what its simulator lacks, too, which nobody knows beforehand. Features
+  // have the noise of their program.
   void add_noise() {
-    if (!gives_motion()) return;  // features have the noise of their program
     text_ +=
         "# Noise on what is simulated, as a share of each channel's largest value: what a "
         "recording has\n# and no simulation does.";
@@ -305,7 +301,7 @@ class Writer {
   }
 
   void add_method() {
-    add_noise();
+    if (gives_motion()) add_noise();
     text_ += fmt::format("[[method]]\nname = \"NPE\"\nnum_simulations = {}\n",
                          dataset_ ? dataset_->num_rows() : Index{3000});
     if (!gives_motion()) return;

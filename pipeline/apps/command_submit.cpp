@@ -70,13 +70,6 @@ std::string summary(const Plan& plan, const std::vector<Job>& jobs) {
   return fmt::format("{}: {} jobs of {} tasks", plan.study.name, jobs.size(), num_tasks);
 }
 
-void print_job(const Plan& plan, const Job& job, const std::string& id) {
-  const std::size_t tasks = job.tasks.size();
-  fmt::print("{:>8}  {}{}\n", id, label_of(plan, job),
-             tasks > 1 ? fmt::format(", {} tasks", tasks) : "");
-  std::fflush(stdout);
-}
-
 // Whether Slurm has anything that makes something of the study: helpers alone don't. It may be away
 // for a while: its controller restarts.
 bool is_busy(const Plan& plan) {
@@ -172,8 +165,12 @@ void submit_missing(const Plan& plan, const SubmitArguments& arguments) {
         "{}: nothing to submit, {}\n", plan.study.name,
         queued.empty() ? "all is up to date" : fmt::format("{} tasks wait or run", queued.size()));
   }
-  submit_jobs(plan, jobs, arguments.options,
-              [&](const Job& job, const std::string& id) { print_job(plan, job, id); });
+  submit_jobs(plan, jobs, arguments.options, [&](const Job& job, const std::string& id) {
+    const std::size_t tasks = job.tasks.size();
+    fmt::print("{:>8}  {}{}\n", id, label_of(plan, job),
+               tasks > 1 ? fmt::format(", {} tasks", tasks) : "");
+    std::fflush(stdout);
+  });
   fmt::print("{}; 'npdr status' shows how they stand\n", summary(plan, jobs));
   std::fflush(stdout);
 }
@@ -201,14 +198,13 @@ ExitStatus submit(SubmitArguments& arguments) {
   return status;
 }
 
-ExitStatus cancel(const StudyArguments& arguments) {
+void cancel(const StudyArguments& arguments) {
   const Plan plan = arguments.plan();
   const std::vector<QueuedTask> tasks = submitted_tasks(plan);
   std::set<std::string> jobs;
   for (const QueuedTask& task : tasks) jobs.insert(task.job);
   if (!jobs.empty()) cancel_in_slurm({jobs.begin(), jobs.end()});
   fmt::print("{}: {} tasks canceled; what they have made stays\n", plan.study.name, tasks.size());
-  return ExitStatus::done;
 }
 
 struct TasksArguments {
@@ -252,7 +248,7 @@ void print_helpers(const Plan& plan, const Node& node) {
   }
 }
 
-ExitStatus list_tasks(const TasksArguments& arguments) {
+void list_tasks(const TasksArguments& arguments) {
   const Plan plan = arguments.study.plan();
   for (const Node* node : missing_nodes(plan, arguments.until)) {
     if (!has_inputs(plan, *node)) continue;
@@ -264,7 +260,6 @@ ExitStatus list_tasks(const TasksArguments& arguments) {
       print_helpers(plan, *node);
     }
   }
-  return ExitStatus::done;
 }
 
 }  // namespace
@@ -291,7 +286,7 @@ Action cancel_command(CLI::App& command) {
   auto arguments = std::make_shared<StudyArguments>();
   arguments->add_to(command);
   command.footer("Example:\n  npdr cancel study.toml");
-  return [arguments] { return cancel(*arguments); };
+  return done_after([arguments] { cancel(*arguments); });
 }
 
 Action task_command(CLI::App& command) {
@@ -310,7 +305,7 @@ Action tasks_command(CLI::App& command) {
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
   command.footer("Example:\n  npdr tasks study.toml --shards-per-task 10");
-  return [arguments] { return list_tasks(*arguments); };
+  return done_after([arguments] { list_tasks(*arguments); });
 }
 
 }  // namespace npdr::pipeline

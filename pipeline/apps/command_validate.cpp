@@ -190,12 +190,6 @@ std::string numbers_text(const std::vector<Channel>& names, const Values& values
   return join(words);
 }
 
-std::vector<Channel> parameters_of(const Plan& plan) {
-  std::vector<Channel> names;
-  for (const inference::Marginal& m : plan.study.prior) names.push_back({m.name, m.unit});
-  return names;
-}
-
 std::string result_text(const Plan& plan, const sim::Trajectories& x, Index row) {
   const sim::RolloutStatus status = x.status[static_cast<std::size_t>(row)];
   if (status != sim::RolloutStatus::ok) return std::string(sim::to_string(status));
@@ -220,13 +214,6 @@ Target replayed_target(const Plan& plan, const Use& use) {
   const Target used = make_seen_target(plan);
   const Index seen = use.method.empty() ? 0 : num_rollouts_seen(plan.study.method(use.method), use);
   return seen > 0 ? used.first(seen) : used;
-}
-
-// All rows by one call: a program may be wrong about several.
-std::unique_ptr<Source> source_of_one_call(const Study& study) {
-  Study alone = study;
-  alone.external.parallel_calls = 1;
-  return make_source(alone);
 }
 
 void tell_of_failures(const sim::Trajectories& x, const RowSimulator& simulator) {
@@ -254,7 +241,9 @@ void try_rows(const Plan& plan, Index count) {
     throw InputError("--try: simulator.dataset has finished simulations, there is none to try");
   }
   const Use use = first_use(plan);
-  const std::unique_ptr<Source> source = source_of_one_call(study);
+  Study alone = study;  // all rows by one call: a program may be wrong about several
+  alone.external.parallel_calls = 1;
+  const std::unique_ptr<Source> source = make_source(alone);
   const auto simulator = source->open(
       {.simulator = study.simulator, .target = replayed_target(plan, use), .seed = use.seed});
   const RowMatrix theta =
@@ -264,8 +253,10 @@ void try_rows(const Plan& plan, Index count) {
       source->parameters().complete(theta),
       {use.seed, kSimulationStream, static_cast<std::uint64_t>(use.round), 0, 0});
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  std::vector<Channel> parameters;
+  for (const inference::Marginal& m : study.prior) parameters.push_back({m.name, m.unit});
   for (Index i = 0; i < count; ++i) {
-    print_line("row {}: {}", i, numbers_text(parameters_of(plan), theta.row(i)));
+    print_line("row {}: {}", i, numbers_text(parameters, theta.row(i)));
     print_line("  {}", result_text(plan, x, i));
   }
   print_line("{} in {:.3g} s", counted(count, "row"), taken.count());
@@ -287,7 +278,7 @@ Action validate_command(CLI::App& command) {
       ->type_name("N")
       ->check(CLI::Range(1, 1000));
   command.footer("Examples:\n  npdr validate study.toml\n  npdr validate study.toml --try 3");
-  return [study, resolved, num_tries] {
+  return done_after([study, resolved, num_tries] {
     const Plan plan = study->plan();
     const bool has_motion = plan.study.target.recording && plan.study.source().gives_motion;
     if (has_motion) require_motion(plan.study, plan.target);
@@ -296,8 +287,7 @@ Action validate_command(CLI::App& command) {
     print_warnings("npdr validate", plan);
     print_edit_marks(study->file);
     if (*num_tries > 0) try_rows(plan, *num_tries);
-    return ExitStatus::done;
-  };
+  });
 }
 
 }  // namespace npdr::pipeline

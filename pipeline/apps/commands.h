@@ -2,6 +2,7 @@
 /// what the command does once they are read.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,26 @@ constexpr Command kCommands[] = {
     {"man", "the page for 'man', of all commands", &man_command},
     {"completion", "lines for a shell, which completes words of npdr with them",
      &completion_command}};
+
+/// Rows of an artefact that were made again.
+struct Verification {
+  Index num_rows = 0;
+  Index num_checked = 0;
+  std::vector<Index> different;  ///< rows whose bits differ
+};
+
+struct VerifyOptions {
+  Index count = 10;           ///< rows
+  std::uint64_t pick = 0;     ///< picks them
+  bool runs_command = false;  ///< that the file names, whoever made it
+};
+
+/// Recomputes random rows of a simulation (or one of its shards), with their status, and compares
+/// their theta with the proposal's; or rows of a first round's proposal. The target that a
+/// simulation was replayed against is found in the cache beside it, as the proposal is. Throws
+/// InputError for another kind of file, one whose key isn't that of its key document, and one whose
+/// rows come from a program or library that it names itself, unless that may be run.
+Verification verify(const std::filesystem::path& given, const VerifyOptions& options);
 
 /// The hidden command that the shells' lines call: `npdr __complete WORDS...`.
 constexpr const char* kCompleteCommand = "__complete";

@@ -83,13 +83,6 @@ std::map<std::string, CellsOfMethods> check_cells(const ReportData& data,
   return cells;
 }
 
-// The drawn methods to which a check means something.
-std::vector<std::string> drawn_methods_with(const ReportData& data, Check check) {
-  std::vector<std::string> methods = drawn_methods(data.methods);
-  std::erase_if(methods, [&](const auto& method) { return !data.checks_of(method).has(check); });
-  return methods;
-}
-
 // The first seed's checks of a method.
 const Diagnosis& first_diagnosis(const ReportData& data, const std::string& method) {
   return data.diagnoses_of(method).front()->result;
@@ -138,7 +131,8 @@ std::optional<Table> diagnostics_table(const ReportData& data) {
 
 /// Histograms of simulation-based calibration's ranks, of the first seed.
 std::optional<ReportedFigure> rank_figure(const ReportData& data) {
-  const std::vector<std::string> methods = drawn_methods_with(data, Check::sbc);
+  std::vector<std::string> methods = drawn_methods(data.methods);
+  std::erase_if(methods, [&](const auto& m) { return !data.checks_of(m).has(Check::sbc); });
   if (methods.empty()) return std::nullopt;
   analysis::RankPlot plot;
   plot.name = "sbc_ranks";
@@ -148,10 +142,8 @@ std::optional<ReportedFigure> rank_figure(const ReportData& data) {
     RowMatrix counts(static_cast<Index>(sbc.test.chi_square.front().counts.size()),
                      sbc.levels.cols());
     for (Index d = 0; d < counts.cols(); ++d) {
-      const auto& bins = sbc.test.chi_square[static_cast<std::size_t>(d)].counts;
-      for (Index b = 0; b < counts.rows(); ++b) {
-        counts(b, d) = static_cast<double>(bins[static_cast<std::size_t>(b)]);
-      }
+      counts.col(d) = each(sbc.test.chi_square[static_cast<std::size_t>(d)].counts,
+                           [](auto count) { return static_cast<double>(count); });
     }
     plot.methods.push_back({method, counts});
   }

@@ -64,9 +64,7 @@ Surprise surprise_of(const ReportData& data, const std::string& method) {
     const double unit = std::max({summary.std, resolution, std::numeric_limits<double>::min()});
     const auto place = [&](double value) { return std::clamp((value - x_o) / unit, -kFar, kFar); };
     surprise.size(f) = std::abs((summary.mean - x_o) / unit);
-    if (!std::isfinite(surprise.size(f))) {  // no rollout succeeded
-      surprise.size(f) = kInfinity;
-    }
+    if (!std::isfinite(surprise.size(f))) surprise.size(f) = kInfinity;  // no rollout succeeded
     surprise.quantiles.row(f) = interval_quantiles(x).unaryExpr(place);
   }
   return surprise;

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "analysis/curve_plot.h"
 #include "analysis/heat_map.h"
@@ -46,16 +45,6 @@ analysis::Curve curve_of(const ReportData& data, const std::string& method) {
   const Index length = experiments.rows();
   const Vector x = Vector::LinSpaced(length, 0.0, static_cast<double>(length - 1));
   return analysis::curve_of(method, x, experiments);
-}
-
-bool has_powers(const EvaluatedRun& run) { return run.notes.powers.power.size() > 0; }
-
-// Drawn of the methods that chose a power, as far as their first seed tells.
-std::vector<std::string> methods_with_powers(const ReportData& data) {
-  std::vector<std::string> methods = data.methods;
-  std::erase_if(methods,
-                [&](const auto& method) { return !has_powers(*data.runs_of(method).front()); });
-  return drawn_methods(std::move(methods));
 }
 
 // Means over rollouts, with a standard error to either side.
@@ -131,11 +120,14 @@ std::optional<ReportedFigure> learning_figure(const ReportData& data) {
 
 /// Scores of the powers of the likelihood that refinements chose from, of the first seed.
 std::optional<ReportedFigure> power_figure(const ReportData& data) {
-  const std::vector<std::string> methods = methods_with_powers(data);
+  std::vector<std::string> methods = data.methods;  // that chose a power
+  std::erase_if(methods, [&](const std::string& method) {
+    return data.runs_of(method).front()->notes.powers.power.size() == 0;
+  });
   if (methods.empty()) return std::nullopt;
   analysis::CurvePlot plot{"powers", "log10 of the power", "CRPS with noise", {}};
   std::vector<std::string> taken;
-  for (const std::string& method : methods) {
+  for (const std::string& method : drawn_methods(methods)) {
     const PosteriorNotes& notes = data.runs_of(method).front()->notes;
     plot.curves.push_back(curve_of(method, notes.powers));
     const double chosen = notes.certificate->wanted_power;

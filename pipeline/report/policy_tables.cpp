@@ -142,17 +142,6 @@ void add_tests(const ReportData& data, TableOf<std::string>& table) {
   }
 }
 
-// Core-hours of one experiment in some stages; what methods share counts for each.
-double core_hours(const ReportData& data, const std::string& method, std::uint64_t seed,
-                  const std::vector<Stage>& stages) {
-  double seconds = 0.0;
-  for (const Node* node : nodes_of(data, method, seed, stages)) {
-    if (!is_complete(data.plan, *node)) continue;
-    seconds += read_artefact_info(node->path).provenance.cost.core_seconds;
-  }
-  return seconds / 3600.0;
-}
-
 // A method and seed: the policy that its last search found.
 struct PolicyOfSeed {
   std::string label;
@@ -211,10 +200,17 @@ std::optional<Table> policy_cost_table(const ReportData& data) {
   if (!has_policies(data)) return std::nullopt;
   auto table = table_of_policy_methods(
       data, "What policies took: core-hours of one experiment, mean and standard deviation.");
+  // What methods share counts for each.
   const auto add = [&](const char* title, const std::vector<Stage>& stages) {
     table.add(title, [&data, stages](const std::string& method) {
-      return analysis::summarize(each(
-          data.seeds, [&](std::uint64_t seed) { return core_hours(data, method, seed, stages); }));
+      return analysis::summarize(each(data.seeds, [&](std::uint64_t seed) {
+        double seconds = 0.0;
+        for (const Node* node : nodes_of(data, method, seed, stages)) {
+          if (!is_complete(data.plan, *node)) continue;
+          seconds += read_artefact_info(node->path).provenance.cost.core_seconds;
+        }
+        return seconds / 3600.0;
+      }));
     });
   };
   add("simulation", {Stage::target, Stage::propose, Stage::simulate});

@@ -122,20 +122,12 @@ std::vector<std::pair<Section, analysis::ReportSection>> headings(const ReportDa
             .is_folded = true}}};
 }
 
-analysis::ReportFigure draw(const ReportedFigure& made, const std::vector<std::string>& methods,
-                            const fs::path& folder) {
-  analysis::ReportFigure figure{write_figure(made.figure, folder).svg,
-                                made.caption + left_out_methods(methods)};
-  if (made.narrow) figure.narrow = write_figure(*made.narrow, folder).svg;
-  return figure;
-}
-
 // Adds the tables and figures of a section.
 void fill_section(Section section, const ReportData& data, const fs::path& folder,
                   analysis::ReportSection& made) {
   const auto& symbols = data.plan.study.report.symbols;
   const auto methods = section == Section::policies ? data.policy_methods() : data.methods;
-  for (const TableEntry& entry : kTables) {
+  for (const auto& entry : kTables) {
     if (entry.section != section) continue;
     std::optional<analysis::Table> table = entry.make(data);
     if (!table) {  // an earlier report may have had it, with figures that are no longer true
@@ -150,10 +142,14 @@ void fill_section(Section section, const ReportData& data, const fs::path& folde
     }
     made.tables.push_back(*std::move(table));
   }
-  for (const FigureEntry& entry : kFigures) {
+  for (const auto& entry : kFigures) {
     if (entry.section != section) continue;
     const auto figure = entry.make(data);
-    if (figure) made.figures.push_back(draw(*figure, methods, folder / "figures"));
+    if (!figure) continue;
+    analysis::ReportFigure& shown = made.figures.emplace_back(
+        analysis::ReportFigure{write_figure(figure->figure, folder / "figures").svg,
+                               figure->caption + left_out_methods(methods)});
+    if (figure->narrow) shown.narrow = write_figure(*figure->narrow, folder / "figures").svg;
   }
 }
 

@@ -115,7 +115,7 @@ TEST(ReportTables, NoiseIsThatOfChannelsThatHaveAny) {
 // Two of one name would write the same files.
 TEST(ReportTables, HaveNamesOfTheirOwn) {
   std::set<std::string> names;
-  for (const TableEntry& entry : kTables) EXPECT_TRUE(names.insert(entry.name).second);
+  for (const auto& entry : kTables) EXPECT_TRUE(names.insert(entry.name).second);
   EXPECT_TRUE(names.contains("fit"));
 }
 
