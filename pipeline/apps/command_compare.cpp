@@ -1,10 +1,14 @@
-// The command that compares two sets of samples: how far apart are two posteriors?
+// Commands that compare posteriors: sets of samples (compare), evidences of refined ones
+// (evidence).
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
 
 #include "core/error.h"
 #include "core/feature_names.h"
@@ -13,7 +17,10 @@
 #include "inference/diagnostics/mmd.h"
 #include "inference/diagnostics/two_samples.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/sample_set.h"
+#include "pipeline/artefacts/schemas.h"
+#include "pipeline/features/observation.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -32,23 +39,18 @@ struct Comparison {
   inference::Mmd mmd;
 };
 
-Index smaller_size(const CompareArguments& arguments, const SampleSet& first,
-                   const SampleSet& second) {
-  for (const SampleSet* set : {&first, &second}) {
-    if (set->rows.rows() >= inference::kFewestRowsOfSample) continue;
-    throw InputError(fmt::format("{}: {} rows, must be at least {}", set->where, set->rows.rows(),
-                                 inference::kFewestRowsOfSample));
-  }
-  return std::min({arguments.most_rows, first.rows.rows(), second.rows.rows()});
-}
-
 Comparison compare(const CompareArguments& arguments) {
   const StreamId id{arguments.seed, "compare_rows", 0, 0, 0};
   SampleSet first =
       read_sample_set(arguments.first, arguments.datasets.front(), arguments.most_rows, id);
   SampleSet second = in_order_of(
       first, read_sample_set(arguments.second, arguments.datasets.back(), arguments.most_rows, id));
-  const Index n = smaller_size(arguments, first, second);
+  for (const SampleSet* set : {&first, &second}) {
+    if (set->rows.rows() >= inference::kFewestRowsOfSample) continue;
+    throw InputError(fmt::format("{}: {} rows, must be at least {}", set->where, set->rows.rows(),
+                                 inference::kFewestRowsOfSample));
+  }
+  const Index n = std::min({arguments.most_rows, first.rows.rows(), second.rows.rows()});
   for (SampleSet* set : {&first, &second}) {
     set->rows = set->rows(spread_positions(n, set->rows.rows(), id), Eigen::all).eval();
   }
@@ -122,6 +124,167 @@ void print_text(const Comparison& c) {
   });
 }
 
+struct EvidenceArguments {
+  std::vector<std::string> studies;
+  StudyArguments settings;  // of every study
+  bool json = false;
+};
+
+// What a likelihood is the density of.
+struct Data {
+  std::vector<float> stored;  // states
+  Index store_every = 0;
+  Index segment_length = 0;  // what recorded states are given with; none: the first alone
+  bool operator==(const Data&) const = default;
+};
+
+// A refined posterior of one seed.
+struct Model {
+  std::string study, method;
+  std::uint64_t seed = 0;
+  std::string physics, noise;
+  Index num_parameters = 0;
+  inference::ImportanceCertificate certificate;
+};
+
+struct Evidence {
+  std::vector<Model> models;  // the largest log Z first
+  std::optional<Data> data;   // of all of them
+};
+
+Data data_of(const Plan& plan, const Node& node) {
+  const Target target = read_seen_target(plan, node);
+  const sim::SimulatorConfig& simulator = plan.study.simulator;
+  const bool is_cut = simulator.segment_length < target.num_steps();
+  return {Observation(plan.study, target).states(), simulator.store_every,
+          is_cut ? simulator.segment_length : 0};
+}
+
+// Adds the refined posteriors that a study has, and warns of their methods' failed checks: the
+// evidence of a model doesn't say that it predicts what nobody has seen. All must be of the same
+// data, so none of a fold.
+void add_models(const Plan& plan, const std::string& file, Evidence& evidence) {
+  std::set<std::string> methods;
+  for (const Node& node : plan.nodes) {
+    if (node.stage != Stage::infer || node.uses.front().fold > 0) continue;
+    if (!std::filesystem::exists(node.path)) continue;
+    const auto certificate =
+        read_part<inference::ImportanceCertificate>(open_artefact(node, kPosteriorSchema));
+    if (!certificate) continue;
+    Data own = data_of(plan, node);
+    if (evidence.data && !(*evidence.data == own)) {
+      throw InputError(
+          file + ", " + node.label() +
+          ": explains other numbers than the posteriors before it, so their evidence can't be "
+          "compared; recording, rollouts, store_every and segment_length must be the same");
+    }
+    evidence.data = std::move(own);
+    for (const Use& use : node.uses) {
+      methods.insert(use.method);
+      evidence.models.push_back({.study = plan.study.name,
+                                 .method = use.method,
+                                 .seed = use.seed,
+                                 .physics = plan.study.simulator.name,
+                                 .noise = to_text(plan.study.observation_noise),
+                                 .num_parameters = std::ssize(plan.study.prior),
+                                 .certificate = *certificate});
+    }
+  }
+  for (const std::string& method : methods) warn_of_failed_checks(plan, method);
+  if (!methods.empty()) return;
+  throw InputError(file +
+                   ": has no refined posterior yet; give it a method with algorithm = "
+                   "\"refine\", then 'npdr run " +
+                   file + "'; what a run was given by --set must be given here, too");
+}
+
+Evidence collect(const EvidenceArguments& arguments) {
+  Evidence evidence;
+  for (const std::string& file : arguments.studies) {
+    StudyArguments study = arguments.settings;
+    study.file = file;
+    add_models(study.plan(), file, evidence);
+  }
+  std::ranges::stable_sort(evidence.models, std::greater<>(),
+                           [](const Model& m) { return m.certificate.log_evidence; });
+  return evidence;
+}
+
+// The likelihood at another power has no evidence to compare.
+bool counts(const Model& model) { return model.certificate.power == 1.0; }
+
+const Model* best_of(const Evidence& evidence) {
+  const auto best = std::ranges::find_if(evidence.models, counts);
+  return best == evidence.models.end() ? nullptr : &*best;
+}
+
+// The scale of Kass and Raftery (1995), "Bayes factors", for the factor's logarithm.
+std::string in_words(double log_factor, double error) {
+  if (log_factor <= 2.0 * error) return "can't be told from the best";
+  if (log_factor < 1.0) return "hardly worse than the best";
+  if (log_factor < 3.0) return "positive evidence against it";
+  if (log_factor < 5.0) return "strong evidence against it";
+  return "very strong evidence against it";
+}
+
+std::string verdict_on(const Model& model, const Model* best) {
+  const inference::ImportanceCertificate& c = model.certificate;
+  if (!counts(model)) return fmt::format("likelihood to the power {:.3g}: no evidence", c.power);
+  const std::string words =
+      &model == best
+          ? "the best"
+          : in_words(best->certificate.log_evidence - c.log_evidence,
+                     std::hypot(best->certificate.log_evidence_error, c.log_evidence_error));
+  return inference::faults_of(c).empty() ? words : words + "; " + inference::verdict(c);
+}
+
+std::string label_of(const Model& model) {
+  return fmt::format("{}: {}, {}", model.study, model.method, model.seed);
+}
+
+void print_text(const Evidence& evidence) {
+  const Model* best = best_of(evidence);
+  fmt::print("log Z [nats] of the same {} recorded numbers\n\n", std::ssize(evidence.data->stored));
+  std::size_t width = 19, noise = 5;
+  for (const Model& model : evidence.models) {
+    width = std::max(width, label_of(model).size());
+    noise = std::max(noise, model.noise.size());
+  }
+  fmt::print("{:<{}}  {:<10}  {:>10}  {:<{}}  {:>20}  {:>10}  {}\n", "study: method, seed", width,
+             "physics", "parameters", "noise", noise, "log Z", "from best", "");
+  for (const Model& model : evidence.models) {
+    const inference::ImportanceCertificate& c = model.certificate;
+    const std::string difference =
+        counts(model) ? fmt::format("{:.2f}", c.log_evidence - best->certificate.log_evidence)
+                      : "-";
+    const std::string log_z = fmt::format("{:.2f} +- {:.2f}", c.log_evidence, c.log_evidence_error);
+    fmt::print("{:<{}}  {:<10}  {:>10}  {:<{}}  {:>20}  {:>10}  {}\n", label_of(model), width,
+               model.physics, model.num_parameters, model.noise, noise, log_z, difference,
+               verdict_on(model, best));
+  }
+}
+
+void print_as_json(const Evidence& evidence) {
+  const Model* best = best_of(evidence);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const Model& model : evidence.models) {
+    const inference::ImportanceCertificate& c = model.certificate;
+    rows.push_back({{"study", model.study},
+                    {"method", model.method},
+                    {"seed", model.seed},
+                    {"physics", model.physics},
+                    {"num_parameters", model.num_parameters},
+                    {"noise", model.noise},
+                    {"log_evidence", c.log_evidence},
+                    {"log_evidence_error", c.log_evidence_error},
+                    {"likelihood_power", c.power},
+                    {"ess", c.ess},
+                    {"pareto_k", c.pareto_k},
+                    {"verdict", verdict_on(model, best)}});
+  }
+  print_json({{"num_values", std::ssize(evidence.data->stored)}, {"models", rows}});
+}
+
 }  // namespace
 
 Action compare_command(CLI::App& command) {
@@ -142,11 +305,26 @@ Action compare_command(CLI::App& command) {
   add_seed_option(command, "--seed", arguments->seed);
   command.add_flag("--json", arguments->json, "for programs");
   command.footer("Example:\n  npdr compare mine.csv runs/study/npe/seed-1/round-1/evaluate.h5");
-  return [arguments] {
+  return done_after([arguments] {
     const Comparison comparison = compare(*arguments);
     arguments->json ? print_as_json(comparison) : print_text(comparison);
-    return ExitStatus::done;
-  };
+  });
+}
+
+Action evidence_command(CLI::App& command) {
+  auto arguments = std::make_shared<EvidenceArguments>();
+  command
+      .add_option("STUDY", arguments->studies,
+                  "files of studies that were run, with a method of algorithm = \"refine\"; all "
+                  "of the same recording")
+      ->required();
+  arguments->settings.add_settings_to(command);
+  command.add_flag("--json", arguments->json, "for programs");
+  command.footer("Example:\n  npdr evidence white.toml correlated.toml with_cable.toml");
+  return done_after([arguments] {
+    const Evidence evidence = collect(*arguments);
+    arguments->json ? print_as_json(evidence) : print_text(evidence);
+  });
 }
 
 }  // namespace npdr::pipeline

@@ -97,14 +97,6 @@ Offers offered_words(const std::vector<std::string>& words) {
   return offers;
 }
 
-Offers offered_commands(const CLI::App& app) {
-  Offers offers;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    offers.emplace_back(command->get_name(), command->get_description());
-  }
-  return offers;
-}
-
 Offers offered_options(const CLI::App& command) {
   Offers offers;
   for (const CLI::Option* option : command.get_options()) {
@@ -136,7 +128,11 @@ Offers offered_choices(const CLI::App& command) {
 }
 
 Offers all_offers(const CLI::App& app, const std::vector<std::string>& words) {
-  if (words.size() < 2) return offered_commands(app);
+  Offers offers;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    offers.emplace_back(command->get_name(), command->get_description());
+  }
+  if (words.size() < 2) return offers;
   const auto named = [&](const CLI::App* command) { return command->check_name(words.front()); };
   const auto commands = app.get_subcommands(named);
   if (commands.empty()) return {};

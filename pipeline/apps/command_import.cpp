@@ -138,21 +138,6 @@ std::vector<ColumnScale> parse_scales(const std::vector<std::string>& texts) {
   return scales;
 }
 
-Index parse_window(const std::string& text) {
-  if (const std::optional<Index> window = parse_count(text)) return *window;
-  throw InputError("--differentiate=" + text +
-                   ", must be an odd number of samples, 5 or more, such as --differentiate=11");
-}
-
-// A window behind a blank is read as a file: whether there is one is optional.
-void check_window(const ImportArguments& arguments) {
-  if (arguments.window.empty()) return;
-  for (const std::string& file : arguments.files) {
-    if (!parse_count(file) || std::filesystem::exists(file)) continue;
-    throw InputError(file + ": isn't there; if it is a window, write --differentiate=" + file);
-  }
-}
-
 // 0: of the shortest rollout.
 Index parse_length(const std::string& text) {
   if (text == "shortest") return 0;
@@ -166,28 +151,23 @@ CsvOptions csv_options(const ImportArguments& arguments) {
   options.channels = channels_of_arguments(arguments);
   options.format = parse_csv_format(arguments.delimiter, arguments.decimal_comma);
   options.scales = parse_scales(arguments.scales);
-  if (!arguments.window.empty()) options.differentiate = parse_window(arguments.window);
+  options.differentiate = parse_count(arguments.window);
+  if (!options.differentiate && !arguments.window.empty()) {
+    throw InputError("--differentiate=" + arguments.window +
+                     ", must be an odd number of samples, 5 or more, such as --differentiate=11");
+  }
   if (!arguments.length.empty()) options.length = parse_length(arguments.length);
   return options;
 }
 
-// Finished simulations have no channels, times or rollouts.
-void check_dataset_arguments(const ImportArguments& arguments) {
+void import_simulations(const ImportArguments& arguments) {
   if (arguments.theta.empty() || arguments.x.empty()) {
     throw InputError("a dataset is made of two CSV files: --theta FILE and --x FILE");
   }
-  if (!arguments.has_recording_options()) return;
-  throw InputError("--theta and --x make a dataset; leave out recordings and what belongs to them");
-}
-
-std::string words_of_failed(const DatasetCounts& counts) {
-  if (counts.num_failed == 0) return "";
-  return fmt::format("; counted as failed, not being finite: {} of x",
-                     counted(counts.num_failed, "row"));
-}
-
-void import_simulations(const ImportArguments& arguments) {
-  check_dataset_arguments(arguments);
+  if (arguments.has_recording_options()) {
+    throw InputError(
+        "--theta and --x make a dataset; leave out recordings and what belongs to them");
+  }
   const DatasetCounts counts =
       import_dataset(arguments.theta, arguments.x, arguments.output,
                      parse_csv_format(arguments.delimiter, arguments.decimal_comma));
@@ -195,8 +175,10 @@ void import_simulations(const ImportArguments& arguments) {
     print_line("{}", text_of(warning_of_end(file)));
   }
   print_line("wrote {}: {} rows; theta {}; x {}{}", arguments.output, counts.num_rows,
-             fmt::join(feature_names(counts.parameters), ", "),
-             fmt::join(feature_names(counts.features), ", "), words_of_failed(counts));
+             join(feature_names(counts.parameters)), join(feature_names(counts.features)),
+             counts.num_failed == 0 ? ""
+                                    : fmt::format("; counted as failed, not being finite: {} of x",
+                                                  counted(counts.num_failed, "row")));
   const std::string file = shell_word(arguments.output);
   print_line("next: npdr new NAME --dataset {}; npdr run STUDY.toml --set simulator.dataset={}",
              file, file);
@@ -206,7 +188,11 @@ void import_recording(const ImportArguments& arguments) {
   if (arguments.files.empty()) {
     throw InputError("name recordings, CSV files with a rollout each, or --theta and --x");
   }
-  check_window(arguments);
+  // A window behind a blank is read as a file: whether there is one is optional.
+  for (const std::string& file : arguments.files) {
+    if (arguments.window.empty() || !parse_count(file) || std::filesystem::exists(file)) continue;
+    throw InputError(file + ": isn't there; if it is a window, write --differentiate=" + file);
+  }
   const auto [target, findings] =
       import_csv({arguments.files.begin(), arguments.files.end()}, csv_options(arguments));
   write_recording(target, arguments.output);
@@ -242,18 +228,18 @@ void add_format_options(CLI::App& command, ImportArguments& arguments) {
   command.add_option("--dt", arguments.options.dt, "[s] where there is no column 't [s]'");
 }
 
+// Adds an option for columns, with commas between them or repeated.
+void add_columns_option(CLI::App& command, const std::string& name,
+                        std::vector<std::string>& columns, const std::string& doc) {
+  command.add_option(name, columns, doc)->delimiter(',')->allow_extra_args(false);
+}
+
 // Adds the options for what is done to the numbers.
 void add_correction_options(CLI::App& command, ImportArguments& arguments) {
-  command
-      .add_option("--scale", arguments.scales,
-                  "COLUMN=FACTOR, such as theta=0.0174533; may be repeated")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  command
-      .add_option("--unwrap", arguments.options.unwrap,
-                  "state whose jumps of a whole turn are taken out; may be repeated")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  add_columns_option(command, "--scale", arguments.scales,
+                     "COLUMN=FACTOR, such as theta=0.0174533; may be repeated");
+  add_columns_option(command, "--unwrap", arguments.options.unwrap,
+                     "state whose jumps of a whole turn are taken out; may be repeated");
   command.add_option("--resample", arguments.options.resample,
                      "[s] of an even grid, for clocks that jitter: interpolates states, holds "
                      "actions");
@@ -279,14 +265,9 @@ Action import_command(CLI::App& command) {
   command.add_option("--x", arguments->x, "with --theta: features, as many rows");
   command.add_option("-o,--output", arguments->output, "the HDF5 file to write")->required();
   command.add_option("--simulator", arguments->simulator, "take this simulator's channels");
-  command
-      .add_option("--states", arguments->states,
-                  "columns, with commas between them, such as 'theta [rad],alpha [rad]'")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  command.add_option("--actions", arguments->actions, "columns, such as 'voltage [V]'")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  add_columns_option(command, "--states", arguments->states,
+                     "columns, with commas between them, such as 'theta [rad],alpha [rad]'");
+  add_columns_option(command, "--actions", arguments->actions, "columns, such as 'voltage [V]'");
   add_format_options(command, *arguments);
   add_correction_options(command, *arguments);
   command.add_flag("--force", arguments->force, "replace an HDF5 file that is there already");

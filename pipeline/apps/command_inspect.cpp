@@ -1,5 +1,7 @@
-// The command inspect.
+// Commands that show files, say where a study's results are, and hand them to other programs:
+// inspect, open, export.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -8,11 +10,15 @@
 
 #include "core/error.h"
 #include "core/finding.h"
+#include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/recording.h"
+#include "pipeline/plan/completeness.h"
+#include "pipeline/plan/report_marker.h"
 #include "pipeline/process/forked_trial.h"
+#include "pipeline/report/inference_data.h"
 #include "pipeline/store/artefact.h"
 
 namespace npdr::pipeline {
@@ -96,10 +102,6 @@ void print_lines(const Lines& lines) {
   for (const std::string& line : lines) print_line("{}", line);
 }
 
-void print_tree(const h5::File& file, const std::string& indent) {
-  print_lines(Tree().lines_of(file, indent));
-}
-
 // A dataset, a recording, or what somebody else has made.
 void print_other_file(const h5::File& file, const std::string& path) {
   if (file.has("theta") && file.has("x")) {
@@ -116,20 +118,17 @@ void print_other_file(const h5::File& file, const std::string& path) {
   } else {
     print_line("{}: neither an artefact, a recording (states) nor a dataset (theta, x)", path);
   }
-  print_tree(file, "  ");
+  print_lines(Tree().lines_of(file, "  "));
 }
 
 void print_file(const std::string& path, bool study, bool digest) {
   const h5::File file = h5::File::open(path);
-  if (study && !file.has_attribute("schema")) {
+  if (!file.has_attribute("schema")) {
+    if (!study) return print_other_file(file, path);
     throw InputError(path + ": isn't an artefact, so that it belongs to no study");
   }
-  if (!file.has_attribute("schema")) return print_other_file(file, path);
   const ArtefactInfo info = read_artefact_info(path);
-  if (study) {
-    print_json(info.identity.study);
-    return;
-  }
+  if (study) return print_json(info.identity.study);
   print_line("{}: {} (schema {}) made by stage '{}'", path, info.schema.name, info.schema.version,
              info.schema.stage);
   print_line("  key      {}", info.key);
@@ -146,13 +145,53 @@ void print_file(const std::string& path, bool study, bool digest) {
   if (!own.empty()) print_line("  attributes");
   for (const std::string& name : own) print_line("    @{} = {}", name, attribute_text(file, name));
   print_line("  datasets");
-  print_tree(file, "    ");
+  print_lines(Tree().lines_of(file, "    "));
 }
 
 // Any HDF5 file may be looked at, and some crash the library: a child goes first.
 void inspect(const std::string& path, bool study, bool digest) {
   try_to_read(path, [&] { print_file(path, study, digest); });
   print_file(path, study, digest);
+}
+
+void print_place(const std::string& what, const std::filesystem::path& path, bool is_there) {
+  fmt::print("{:<12} {}{}\n", what, printable_line(path.string()),
+             is_there ? "" : "  (isn't there yet, or is of other settings: npdr run)");
+}
+
+void open_study(const StudyArguments& arguments, bool in_browser) {
+  const Plan plan = arguments.plan_here("npdr open");
+  const bool is_there = is_complete(plan, plan.nodes.back());
+  const std::filesystem::path folder = plan.work.study(plan.study.name);
+  if (in_browser && is_there) {
+    execlp("xdg-open", "xdg-open", report_path(plan).c_str(), nullptr);
+    throw Error("xdg-open can't be started; open " + report_path(plan).string() + " yourself");
+  }
+  print_place("report", report_path(plan), is_there);
+  print_place("tables", folder / "tables", is_there);
+  print_place("figures", folder / "figures", is_there);
+  for (const auto& [node, use] : last_nodes(plan, Stage::infer)) {
+    print_place("posterior", link_of(plan, *node, use), is_complete(plan, *node));
+  }
+}
+
+struct ExportArguments {
+  StudyArguments study;
+  std::string output;
+  bool force = false;
+  Index num_predictions = 100;
+};
+
+void export_study(const ExportArguments& arguments) {
+  const Plan plan = arguments.study.plan_here("npdr export");
+  const std::string method = last_nodes_of_method(plan, Stage::evaluate).front().use.method;
+  if (arguments.output.ends_with(".csv")) {
+    throw InputError(arguments.output + ": would hold NetCDF; call it .nc");
+  }
+  require_new_file(arguments.output, arguments.force);
+  write_inference_data(plan, arguments.output, arguments.num_predictions);
+  print_line("wrote {}", arguments.output);
+  warn_of_failed_checks(plan, method);
 }
 
 }  // namespace
@@ -166,6 +205,32 @@ Action inspect_command(CLI::App& command) {
   command.add_flag("--digest", *digest, "hash of the content: equal digests, equal bits");
   command.footer("Example:\n  npdr inspect runs/study/target.h5");
   return done_after([path, study, digest] { inspect(*path, *study, *digest); });
+}
+
+Action open_command(CLI::App& command) {
+  auto arguments = std::make_shared<StudyArguments>();
+  auto in_browser = std::make_shared<bool>(false);
+  arguments->add_to(command);
+  command.add_flag("--browser", *in_browser, "open the report with xdg-open instead");
+  command.footer("Example:\n  npdr open study.toml --browser");
+  return done_after([arguments, in_browser] { open_study(*arguments, *in_browser); });
+}
+
+Action export_command(CLI::App& command) {
+  auto arguments = std::make_shared<ExportArguments>();
+  arguments->study.add_to(command);
+  command.add_option("-o,--output", arguments->output, "file to write, such as out.nc")->required();
+  command.add_flag("--force", arguments->force, "replace an HDF5 file that is there already");
+  command
+      .add_option("--predictions", arguments->num_predictions,
+                  "draws of each seed whose rollouts are simulated; 0: none")
+      ->capture_default_str()
+      ->check(CLI::Range(Index{0}, Index{1'000'000}));
+  command.footer(
+      "Example:\n"
+      "  npdr export study.toml --only NPE -o out.nc   arviz.from_netcdf(\"out.nc\")\n"
+      "Seeds are chains. What stands in the file: docs/python.md.");
+  return done_after([arguments] { export_study(*arguments); });
 }
 
 }  // namespace npdr::pipeline

@@ -18,6 +18,7 @@
 #include "pipeline/config/study_reader.h"
 #include "pipeline/import/recording_warnings.h"
 #include "pipeline/plan/report_marker.h"
+#include "pipeline/process/fitted_text.h"
 #include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
@@ -55,6 +56,13 @@ void add(Findings& all, Findings found, const std::string& where) {
   append(all, std::move(found));
 }
 
+// A terminal would break the line within a word.
+void print_prose(const std::string& text) {
+  const auto columns = terminal_columns();
+  const std::string line = printable_line(text);
+  fmt::print("{}\n", columns ? wrapped(line, *columns) : line);
+}
+
 }  // namespace
 
 void set_choices(CLI::Option& option, const std::vector<std::string>& choices) {
@@ -88,8 +96,7 @@ void StudyArguments::add_selection_to(CLI::App& app) {
          "--seeds",
          [this](const std::vector<std::string>& texts) {
            try {
-             const std::vector<Index> ranges =
-                 parse_ranges(fmt::format("{}", fmt::join(texts, ",")));
+             const std::vector<Index> ranges = parse_ranges(join(texts, ","));
              seeds.assign(ranges.begin(), ranges.end());
            } catch (const InputError& error) {
              throw CLI::ValidationError("--seeds", error.what());
@@ -151,6 +158,39 @@ void print_warnings(const std::string& program, const Plan& plan) {
   add(found, find_unused_actions(plan), recording);
   append(found, find_replaced_report(plan));
   report_findings(program, found);
+}
+
+bool print_verdicts(const Plan& plan) {
+  bool any_failed = false;
+  for (const CheckSummary& summary : read_check_summaries(plan.nodes.back())) {
+    fmt::print("\n");
+    print_prose(words_of(summary));
+    for (const std::string& reason : summary.reasons) print_prose("  " + reason);
+    any_failed |= !summary.failed.empty();
+  }
+  fmt::print("\n");
+  print_line("report: {}", report_path(plan).string());
+  return any_failed;
+}
+
+void print_verdicts_if_made(const Plan& plan) {
+  if (!report_is_current(plan, plan.nodes.back())) return;
+  fmt::print("\n");
+  for (const CheckSummary& summary : read_check_summaries(plan.nodes.back())) {
+    print_prose(words_of(summary));
+  }
+  print_line("report: {}", report_path(plan).string());
+}
+
+void warn_of_failed_checks(const Plan& plan, const std::string& method) {
+  const std::optional<CheckSummary> checks = reported_checks(plan, method);
+  if (!checks && !plan.study.diagnose_of(plan.study.method(method)).checks.empty()) {
+    fmt::print(stderr, "note: no report says whether the checks of {} pass; make it: {}\n",
+               printable_line(method), printable_line(plan.command()));
+  }
+  if (!checks || checks->failed.empty()) return;
+  print_warning(printable_line(words_of(*checks) +
+                               "; what was found and what to do: " + report_path(plan).string()));
 }
 
 void add_until_option(CLI::App& app, std::optional<Stage>& until, const std::string& doc) {

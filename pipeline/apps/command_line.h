@@ -32,11 +32,14 @@ using Action = std::function<ExitStatus()>;
 /// One that is done when `body` returns.
 Action done_after(std::function<void()> body);
 
+/// Adds its options to a command.
+using OptionAdder = Action(CLI::App& command);
+
 /// A command of `npdr`.
 struct Command {
   const char* name;
   const char* doc;
-  Action (*add_to)(CLI::App& command);  ///< adds its options
+  OptionAdder* add_to;
 };
 
 /// Adds `command` to `app`; when it is called, it stores its exit status in `result`.
@@ -79,6 +82,17 @@ void print_warning(std::string what);
 
 /// Prints what in the plan's study is probably not what was meant, as "program: place: warning".
 void print_warnings(const std::string& program, const Plan& plan);
+
+/// Prints the verdicts of a study whose report is current, with why checks failed and what to do,
+/// and where the report lies. Returns whether any check failed. Throws as read_check_summaries().
+bool print_verdicts(const Plan& plan);
+
+/// One line a method, and that place, where the report is current; nothing else. Throws the same.
+void print_verdicts_if_made(const Plan& plan);
+
+/// Warns on stderr where the report (reported_checks()) says that `method` fails checks, and notes
+/// where there are some, but no report of them.
+void warn_of_failed_checks(const Plan& plan, const std::string& method);
 
 /// --until STAGE. `doc`: what the stage is to the command.
 void add_until_option(CLI::App& app, std::optional<Stage>& until, const std::string& doc);

@@ -24,60 +24,61 @@
 namespace npdr::pipeline {
 namespace {
 
-// A line about each name that studies choose from, whatever for.
-std::string words_of(std::string_view name) {
-  static const std::map<std::string_view, const char*> words = {
-      {"npe_nle",
-       "networks learn the posterior and the likelihood, pooled by what predicts best; the "
-       "usual choice; later rounds simulate the prior where the posterior is"},
-      {"npe_a", "a mixture learns the posterior; later rounds are divided by their proposal"},
-      {"npe_b",
-       "a network learns the posterior; later rounds weight simulations by prior / proposal"},
-      {"npe_c", "a network learns the posterior; later rounds simulate draws of the posterior"},
-      {"nle", "a network learns the likelihood, which a sampler makes a posterior of"},
-      {"nre_a", "a classifier learns likelihood / evidence: pairs that belong together or don't"},
-      {"nre_b", "the same, of one pair among several"},
-      {"abc_rejection", "simulations of the prior whose distance to the observation is small"},
-      {"abc_mcmc", "the same by Markov chains"},
-      {"abc_smc", "the same by populations that come nearer from round to round"},
-      {"linear_regression",
-       "the equations of motion as a Bayesian regression on the recording, no simulation"},
-      {"refine",
-       "the posterior under the noise's likelihood, from another method's, with its evidence"},
-      {"prior", "infers nothing: domain randomization over the prior"},
-      {"nominal", "infers nothing: the nominal parameters"},
-      {"convolution",
-       "the states of all kept steps through convolutions that are trained with the network"},
-      {"linear", "the states of all kept steps through a layer that is trained with the network"},
-      {"all_steps", "the states of all kept steps"},
-      {"delta_steps", "their differences from step to step"},
-      {"last_step", "the last states alone"},
-      {"bayessim", "sums over each series: short, and blind to much of it"},
-      {"identity", "the features as the simulator gives them"},
-      {"maf", "masked autoregressive flow: any shape with one bulge or a few"},
-      {"mdn", "mixture of Gaussians: quick, for a few modes"},
-      {"nsf", "neural spline flow: sharp and bent shapes, slower"},
-      {"resnet", "residual network, for ratios alone (nre_a, nre_b)"},
-      {"uniform", "[low, high]: every value between is as likely"},
-      {"log_uniform", "[low, high] with low > 0: every order of magnitude is as likely"},
-      {"normal", "[mean, standard deviation], without bounds"},
-      {"log_normal", "[mean of log, standard deviation of log]: positive, without an upper bound"},
-      {"erk4", "Runge-Kutta of order 4 with fixed steps"},
-      {"erk2", "of order 2"},
-      {"erk5", "of order 5"},
-      {"cvode", "steps and orders that adapt to tolerances, for stiff systems"},
-      {"dtw", "distance of trajectories that may be shifted in time (dynamic time warping)"},
-      {"rmse", "root mean square error of the states, over their largest recorded magnitude"},
-      {"final_error", "distance of the last states, where all have one unit"},
-      {"goal", "share of the rollouts that end at the simulator's goal"},
-      {"distance", "of features, in standard deviations over the prior"}};
-  return words.at(name);
-}
+// A line about each name that studies choose from; checks have questions of their own.
+const std::map<std::string_view, const char*> kWords = {
+    // algorithms
+    {"npe_nle",
+     "networks learn the posterior and the likelihood, pooled by what predicts best; the "
+     "usual choice; later rounds simulate the prior where the posterior is"},
+    {"npe_a", "a mixture learns the posterior; later rounds are divided by their proposal"},
+    {"npe_b",
+     "a network learns the posterior; later rounds weight simulations by prior / proposal"},
+    {"npe_c", "a network learns the posterior; later rounds simulate draws of the posterior"},
+    {"nle", "a network learns the likelihood, which a sampler makes a posterior of"},
+    {"nre_a", "a classifier learns likelihood / evidence: pairs that belong together or don't"},
+    {"nre_b", "the same, of one pair among several"},
+    {"abc_rejection", "simulations of the prior whose distance to the observation is small"},
+    {"abc_mcmc", "the same by Markov chains"},
+    {"abc_smc", "the same by populations that come nearer from round to round"},
+    {"linear_regression",
+     "the equations of motion as a Bayesian regression on the recording, no simulation"},
+    {"refine",
+     "the posterior under the noise's likelihood, from another method's, with its evidence"},
+    {"prior", "infers nothing: domain randomization over the prior"},
+    {"nominal", "infers nothing: the nominal parameters"},
+    // embeddings
+    {"convolution",
+     "the states of all kept steps through convolutions that are trained with the network"},
+    {"linear", "the states of all kept steps through a layer that is trained with the network"},
+    {"all_steps", "the states of all kept steps"},
+    {"delta_steps", "their differences from step to step"},
+    {"last_step", "the last states alone"},
+    {"bayessim", "sums over each series: short, and blind to much of it"},
+    {"identity", "the features as the simulator gives them"},
+    // estimators
+    {"maf", "masked autoregressive flow: any shape with one bulge or a few"},
+    {"mdn", "mixture of Gaussians: quick, for a few modes"},
+    {"nsf", "neural spline flow: sharp and bent shapes, slower"},
+    {"resnet", "residual network, for ratios alone (nre_a, nre_b)"},
+    // priors
+    {"uniform", "[low, high]: every value between is as likely"},
+    {"log_uniform", "[low, high] with low > 0: every order of magnitude is as likely"},
+    {"normal", "[mean, standard deviation], without bounds"},
+    {"log_normal", "[mean of log, standard deviation of log]: positive, without an upper bound"},
+    // integrators
+    {"erk4", "Runge-Kutta of order 4 with fixed steps"},
+    {"erk2", "of order 2"},
+    {"erk5", "of order 5"},
+    {"cvode", "steps and orders that adapt to tolerances, for stiff systems"},
+    // metrics
+    {"dtw", "distance of trajectories that may be shifted in time (dynamic time warping)"},
+    {"rmse", "root mean square error of the states, over their largest recorded magnitude"},
+    {"final_error", "distance of the last states, where all have one unit"},
+    {"goal", "share of the rollouts that end at the simulator's goal"},
+    {"distance", "of features, in standard deviations over the prior"}};
 
-std::string limits_text(const sim::Parameter& p) {
-  const bool is_limited = std::isfinite(p.lower) || std::isfinite(p.upper);
-  return is_limited ? fmt::format("[{:g}, {:g}]", p.lower, p.upper) : "";
-}
+std::string_view words_of(const auto& row) { return kWords.at(row.name); }
+std::string_view words_of(const CheckTraits& row) { return row.question; }
 
 void list_channels(const char* title, const std::vector<Channel>& channels) {
   if (!channels.empty()) fmt::print("{}:\n", title);
@@ -91,8 +92,9 @@ void list_simulator(const sim::SimulatorInfo& info, bool gives_motion = true) {
              info.description);
   for (const sim::Parameter& p : info.parameters) {
     const std::string nominal = std::isnan(p.nominal) ? "none" : fmt::format("{:.6g}", p.nominal);
-    fmt::print("    {:<24} {:>10} {:<12} {:<16} {}\n", p.name, nominal, p.unit, limits_text(p),
-               p.description);
+    const bool is_limited = std::isfinite(p.lower) || std::isfinite(p.upper);
+    fmt::print("    {:<24} {:>10} {:<12} {:<16} {}\n", p.name, nominal, p.unit,
+               is_limited ? fmt::format("[{:g}, {:g}]", p.lower, p.upper) : "", p.description);
   }
   list_channels(gives_motion ? "states" : "features", info.state_channels);
   if (gives_motion) list_channels("actions", info.action_channels);
@@ -137,13 +139,7 @@ void list_keys(const ListArguments& arguments) {
 template <NamedEnum E>
 void list_names(const ListArguments&) {
   for (const auto& row : enum_table(E{})) {
-    if (!row.name.empty()) fmt::print("{:<18} {}\n", row.name, words_of(row.name));
-  }
-}
-
-void list_checks(const ListArguments&) {
-  for (const CheckTraits& check : enum_table(Check{})) {
-    fmt::print("{:<18} {}\n", check.name, check.question);
+    if (!row.name.empty()) fmt::print("{:<18} {}\n", row.name, words_of(row));
   }
 }
 
@@ -171,7 +167,7 @@ constexpr List kLists[] = {
     {"priors", "kinds of a parameter's prior", &list_names<inference::Marginal::Kind>},
     {"integrators", "of built-in simulators: simulator.integrator", &list_names<sim::Integrator>},
     {"metrics", "what simulations are measured by: evaluate.metrics", &list_names<Metric>},
-    {"checks", "what posteriors are checked by: diagnose.checks", &list_checks},
+    {"checks", "what posteriors are checked by: diagnose.checks", &list_names<Check>},
     {"keys", "every key of a study file; with a beginning, such as method.training, those",
      &list_keys, "BEGINNING", true},
     {"layouts", "what every file of results holds", &list_layouts, nullptr, true},
@@ -183,16 +179,14 @@ std::vector<std::string> list_names() {
   return names;
 }
 
-void list_lists() {
-  for (const List& list : kLists) {
-    const std::string name =
-        std::string(list.name) + (list.of ? fmt::format(" [{}]", list.of) : "");
-    fmt::print("npdr list {:<20} {}\n", name, list.doc);
-  }
-}
-
 void list(const ListArguments& arguments) {
-  if (arguments.what.empty()) return list_lists();
+  if (arguments.what.empty()) {
+    for (const List& list : kLists) {
+      const std::string of = list.of ? fmt::format(" [{}]", list.of) : "";
+      fmt::print("npdr list {:<20} {}\n", std::string(list.name) + of, list.doc);
+    }
+    return;
+  }
   const auto found = std::ranges::find(kLists, arguments.what, &List::name);
   if (found == std::end(kLists)) {
     throw InputError(unknown_name("list", arguments.what, list_names()));

@@ -18,7 +18,6 @@
 #include "inference/embeddings/embedding.h"
 #include "inference/samplers/chain_diagnostics.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/artefacts/feature_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/recording.h"
@@ -178,20 +177,19 @@ void print_sampler(const inference::Samples& samples) {
              r_hat, samples.report->ess.minCoeff<Eigen::PropagateNaN>(), verdict);
 }
 
-std::unique_ptr<inference::Posterior> read(const std::string& path, const std::string& recording) {
-  if (recording.empty()) return read_posterior({path});
-  const auto posterior = read_network_posterior({path});
-  const Observation observation = embed_recording(path, recording);
-  auto other = posterior->given(observation.x);
-  warn_of_later_round(path);
-  warn_of_unlike_simulations(path, recording, observation);
-  return other;
-}
-
 // Anybody may have made the file, and some crash HDF5: a child goes first.
 std::unique_ptr<inference::Posterior> load(const std::string& path, const std::string& recording) {
-  try_to_read(path, [&] { read(path, recording); });
-  return read(path, recording);
+  const auto read = [&]() -> std::unique_ptr<inference::Posterior> {
+    if (recording.empty()) return read_posterior({path});
+    const auto posterior = read_network_posterior({path});
+    const Observation observation = embed_recording(path, recording);
+    auto other = posterior->given(observation.x);
+    warn_of_later_round(path);
+    warn_of_unlike_simulations(path, recording, observation);
+    return other;
+  };
+  try_to_read(path, read);
+  return read();
 }
 
 // Weights that are finite may still overflow in the sums of a network.

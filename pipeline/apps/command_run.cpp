@@ -12,7 +12,6 @@
 #include "core/shell_text.h"
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/child_process.h"
 #include "pipeline/process/fitted_text.h"
@@ -48,7 +47,7 @@ bool print_results(const Plan& plan) {
     if (path != paths.back() && end != std::string::npos) text.erase(end + 1);
     std::cout << (columns ? fitted_tables(text, *columns, path) : text) << std::flush;
   }
-  return print_verdicts(plan, VerdictDetail::reasons);
+  return print_verdicts(plan);
 }
 
 // Both make all of it, with the same bits.

@@ -9,7 +9,6 @@
 #include "core/finding.h"
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/cluster_status.h"
 #include "pipeline/process/fitted_text.h"
 #include "pipeline/process/progress.h"
@@ -87,8 +86,8 @@ void print_table(const std::vector<Standing>& rows) {
     const ArtefactStatus& status = row.status;
     ++counts[row.state()];
     bytes += status.bytes;
-    seconds += status.cost.wall_seconds;
     const double taken = status.cost.wall_seconds;
+    seconds += taken;
     const std::string text =
         line(row.node.label(), row.state(), status.bytes > 0 ? size_text(status.bytes) : "-",
              taken > 0.0 ? fmt::format("{:.2f}", taken) : "-", row.node.key.substr(0, 8));
@@ -188,10 +187,9 @@ void print_as_json(const std::vector<Standing>& standings) {
 std::vector<const Node*> named_nodes(const Plan& plan, const std::string& word) {
   std::vector<const Node*> found;
   for (const Node& node : plan.nodes) {
-    const bool is_named =
-        node.key.starts_with(word) || node.label().find(word) != std::string::npos;
     const bool counts =
-        word.empty() ? status_of(plan, node).state != ArtefactState::up_to_date : is_named;
+        word.empty() ? status_of(plan, node).state != ArtefactState::up_to_date
+                     : node.key.starts_with(word) || node.label().find(word) != std::string::npos;
     if (counts) found.push_back(&node);
   }
   if (found.empty() && !word.empty()) {
@@ -238,7 +236,7 @@ Action explain_command(CLI::App& command) {
   study->add_to(command);
   command.add_option("ARTEFACT", *word, "a key, or part of a name that 'npdr status' shows");
   command.footer("Example:\n  npdr explain study.toml evaluate");
-  return [study, word] {
+  return done_after([study, word] {
     const Plan plan = study->plan_here("npdr explain");
     const auto nodes = named_nodes(plan, *word);
     if (nodes.empty()) fmt::print("all {} artefacts are up to date\n", plan.nodes.size());
@@ -247,8 +245,7 @@ Action explain_command(CLI::App& command) {
                  name_of(status_of(plan, *node).state));
       for (const std::string& line : reasons(plan, *node)) print_line("    {}", line);
     }
-    return ExitStatus::done;
-  };
+  });
 }
 
 }  // namespace npdr::pipeline

@@ -1,3 +1,4 @@
+// Commands for batch systems: submit, cancel, task, tasks.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,9 +11,12 @@
 #include <set>
 #include <thread>
 
+#include "core/error.h"
+#include "core/printable.h"
+#include "core/shell_text.h"
 #include "core/stop_request.h"
+#include "core/text.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/verdict_lines.h"
 #include "pipeline/cluster/batch_task.h"
 #include "pipeline/cluster/cluster_status.h"
 #include "pipeline/cluster/job_tag.h"
@@ -62,13 +66,6 @@ std::string summary(const Plan& plan, const std::vector<Job>& jobs) {
   std::size_t num_tasks = 0;
   for (const Job& job : jobs) num_tasks += job.is_array() ? job.tasks.size() : 1;
   return fmt::format("{}: {} jobs of {} tasks", plan.study.name, jobs.size(), num_tasks);
-}
-
-void print_job(const Plan& plan, const Job& job, const std::string& id) {
-  const std::size_t tasks = job.tasks.size();
-  fmt::print("{:>8}  {}{}\n", id, label_of(plan, job),
-             tasks > 1 ? fmt::format(", {} tasks", tasks) : "");
-  std::fflush(stdout);
 }
 
 // Whether Slurm has anything that makes something of the study: helpers alone don't. It may be away
@@ -166,8 +163,12 @@ void submit_missing(const Plan& plan, const SubmitArguments& arguments) {
         "{}: nothing to submit, {}\n", plan.study.name,
         queued.empty() ? "all is up to date" : fmt::format("{} tasks wait or run", queued.size()));
   }
-  submit_jobs(plan, jobs, arguments.options,
-              [&](const Job& job, const std::string& id) { print_job(plan, job, id); });
+  submit_jobs(plan, jobs, arguments.options, [&](const Job& job, const std::string& id) {
+    const std::size_t tasks = job.tasks.size();
+    fmt::print("{:>8}  {}{}\n", id, label_of(plan, job),
+               tasks > 1 ? fmt::format(", {} tasks", tasks) : "");
+    std::fflush(stdout);
+  });
   fmt::print("{}; 'npdr status' shows how they stand\n", summary(plan, jobs));
   std::fflush(stdout);
 }
@@ -195,14 +196,68 @@ ExitStatus submit(SubmitArguments& arguments) {
   return status;
 }
 
-ExitStatus cancel(const StudyArguments& arguments) {
+void cancel(const StudyArguments& arguments) {
   const Plan plan = arguments.plan();
   const std::vector<QueuedTask> tasks = submitted_tasks(plan);
   std::set<std::string> jobs;
   for (const QueuedTask& task : tasks) jobs.insert(task.job);
   if (!jobs.empty()) cancel_in_slurm({jobs.begin(), jobs.end()});
   fmt::print("{}: {} tasks canceled; what they have made stays\n", plan.study.name, tasks.size());
-  return ExitStatus::done;
+}
+
+struct TasksArguments {
+  StudyArguments study;
+  std::optional<Stage> until;
+  Index shards_per_task = 1;
+};
+
+void print_task(const std::vector<std::string>& command, const std::string& shards) {
+  std::vector<std::string> words = {executable_folder() / "npdr", "task", "--"};
+  append(words, command);
+  if (!shards.empty()) words.insert(words.end(), {"--shard", shards});
+  const std::string line = shell_text(words);
+  if (line.find_first_of("\r\n") != std::string::npos) {
+    throw InputError(printable_line(line) +
+                     ": has a line break, and a command is a line of this list; choose another "
+                     "name of the study's file or of --work");
+  }
+  fmt::print("{}\n", line);
+}
+
+// Neighbors of a simulation's missing shards share a task.
+void print_shards(const Plan& plan, const Node& node, const std::vector<std::string>& command,
+                  Index shards_per_task) {
+  const std::vector<Index> missing = missing_shards(plan, node);
+  if (missing.empty()) print_task(command, "");  // only to be joined
+  const auto step = static_cast<std::size_t>(shards_per_task);
+  for (std::size_t i = 0; i < missing.size(); i += step) {
+    const std::size_t end = std::min(i + step, missing.size());
+    print_task(command, index_ranges({missing.begin() + static_cast<std::ptrdiff_t>(i),
+                                      missing.begin() + static_cast<std::ptrdiff_t>(end)}));
+  }
+}
+
+// After the refinement's own command: where there is no room for all, helpers that come too late
+// find it complete.
+void print_helpers(const Plan& plan, const Node& node) {
+  const Index count = is_refinement(plan, node) ? plan.study.cluster.refine_tasks : 0;
+  for (Index number = 1; number <= count; ++number) {
+    print_task(helper_command(plan, node, {number, count}), "");
+  }
+}
+
+void list_tasks(const TasksArguments& arguments) {
+  const Plan plan = arguments.study.plan();
+  for (const Node* node : missing_nodes(plan, arguments.until)) {
+    if (!has_inputs(plan, *node)) continue;
+    const std::vector<std::string> command = stage_command(plan, *node);
+    if (node->stage == Stage::simulate) {
+      print_shards(plan, *node, command, arguments.shards_per_task);
+    } else {
+      print_task(command, "");
+      print_helpers(plan, *node);
+    }
+  }
 }
 
 }  // namespace
@@ -229,7 +284,7 @@ Action cancel_command(CLI::App& command) {
   auto arguments = std::make_shared<StudyArguments>();
   arguments->add_to(command);
   command.footer("Example:\n  npdr cancel study.toml");
-  return [arguments] { return cancel(*arguments); };
+  return done_after([arguments] { cancel(*arguments); });
 }
 
 Action task_command(CLI::App& command) {
@@ -238,6 +293,17 @@ Action task_command(CLI::App& command) {
   command.positionals_at_end();
   command.footer("Example:\n  npdr task -- npdr-simulate study.toml --shard 0");
   return [words] { return static_cast<ExitStatus>(run_batch_task(*words)); };
+}
+
+Action tasks_command(CLI::App& command) {
+  auto arguments = std::make_shared<TasksArguments>();
+  arguments->study.add_to(command);
+  add_until_option(command, arguments->until, "the last stage to list");
+  command.add_option("--shards-per-task", arguments->shards_per_task, "shards of a command")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000));
+  command.footer("Example:\n  npdr tasks study.toml --shards-per-task 10");
+  return done_after([arguments] { list_tasks(*arguments); });
 }
 
 }  // namespace npdr::pipeline

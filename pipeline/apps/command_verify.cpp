@@ -7,7 +7,6 @@
 #include "core/error.h"
 #include "core/temporary_folder.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/verify.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/forked_trial.h"

@@ -2,6 +2,7 @@
 /// what the command does once they are read.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -9,28 +10,11 @@
 
 namespace npdr::pipeline {
 
-Action run_command(CLI::App& command);
-Action submit_command(CLI::App& command);
-Action cancel_command(CLI::App& command);
-Action tasks_command(CLI::App& command);
-Action task_command(CLI::App& command);
-Action status_command(CLI::App& command);
-Action explain_command(CLI::App& command);
-Action validate_command(CLI::App& command);
-Action new_command(CLI::App& command);
-Action list_command(CLI::App& command);
-Action open_command(CLI::App& command);
-Action import_command(CLI::App& command);
-Action inspect_command(CLI::App& command);
-Action verify_command(CLI::App& command);
-Action sample_command(CLI::App& command);
-Action log_prob_command(CLI::App& command);
-Action compare_command(CLI::App& command);
-Action evidence_command(CLI::App& command);
-Action export_command(CLI::App& command);
-Action help_command(CLI::App& command);
-Action man_command(CLI::App& command);
-Action completion_command(CLI::App& command);
+OptionAdder run_command, submit_command, cancel_command, tasks_command, task_command,
+    status_command, explain_command, validate_command, new_command, list_command, open_command,
+    import_command, inspect_command, verify_command, sample_command, log_prob_command,
+    compare_command, evidence_command, export_command, help_command, man_command,
+    completion_command;
 
 /// In the order of the help.
 constexpr Command kCommands[] = {
@@ -65,6 +49,26 @@ constexpr Command kCommands[] = {
     {"man", "the page for 'man', of all commands", &man_command},
     {"completion", "lines for a shell, which completes words of npdr with them",
      &completion_command}};
+
+/// Rows of an artefact that were made again.
+struct Verification {
+  Index num_rows = 0;
+  Index num_checked = 0;
+  std::vector<Index> different;  ///< rows whose bits differ
+};
+
+struct VerifyOptions {
+  Index count = 10;           ///< rows
+  std::uint64_t pick = 0;     ///< picks them
+  bool runs_command = false;  ///< that the file names, whoever made it
+};
+
+/// Recomputes random rows of a simulation (or one of its shards), with their status, and compares
+/// their theta with the proposal's; or rows of a first round's proposal. The target that a
+/// simulation was replayed against is found in the cache beside it, as the proposal is. Throws
+/// InputError for another kind of file, one whose key isn't that of its key document, and one whose
+/// rows come from a program or library that it names itself, unless that may be run.
+Verification verify(const std::filesystem::path& given, const VerifyOptions& options);
 
 /// The hidden command that the shells' lines call: `npdr __complete WORDS...`.
 constexpr const char* kCompleteCommand = "__complete";

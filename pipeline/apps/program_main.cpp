@@ -47,9 +47,8 @@ void choose_signals() {
   std::signal(SIGXFSZ, SIG_IGN);  // the write that goes beyond 'ulimit -f' fails, and is reported
 }
 
-constexpr int kColumns = 80;
-constexpr int kNameColumns = 34;
-constexpr int kWordColumns = kColumns - kNameColumns;
+constexpr int kNameColumns = 34;  // of 80
+constexpr int kWordColumns = 80 - kNameColumns;
 constexpr std::size_t kMostChoices = 4;  // that stand beside an option's name
 
 bool has_many_choices(const CLI::Option& option) {

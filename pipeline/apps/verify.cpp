@@ -1,5 +1,3 @@
-#include "pipeline/apps/verify.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "core/random.h"
 #include "core/text.h"
 #include "inference/prior.h"
+#include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"

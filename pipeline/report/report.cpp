@@ -1,14 +1,18 @@
 #include "pipeline/report/report.h"
 
+#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
 #include <set>
+#include <tuple>
+#include <vector>
 
 #include "analysis/report.h"
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
+#include "core/shell_text.h"
 #include "core/text.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/config/check.h"
@@ -17,10 +21,7 @@
 #include "pipeline/plan/completeness.h"
 #include "pipeline/plan/report_marker.h"
 #include "pipeline/process/build_info.h"
-#include "pipeline/report/figure_parts.h"
-#include "pipeline/report/policy_parts.h"
-#include "pipeline/report/registry.h"
-#include "pipeline/report/texts.h"
+#include "pipeline/report/parts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -87,53 +88,45 @@ std::string warning_of_builds(const std::map<std::string, Index>& builds) {
       builds.size());
 }
 
-analysis::ReportSection heading(Section section, const ReportData& data) {
+// The text above the tables of policies.
+std::string policy_prose(const ReportData& data) {
+  const PolicyConfig& policy = data.plan.study.policy;
+  return fmt::format(
+      "{}; searched for by {}: {} candidates an iteration, each on {} samples of what the method "
+      "believes and {} initial states.",
+      task_info(data).policy, name_of(policy.search.kind), policy.search.population,
+      policy.num_domain_parameters, policy.num_initial_states);
+}
+
+// The parts of the page in their order, the answers first, without tables and figures.
+std::vector<std::pair<Section, analysis::ReportSection>> headings(const ReportData& data) {
   const Study& study = data.plan.study;
   const bool simulates = study.source().simulates;
-  switch (section) {
-    case Section::posteriors:
-      return {.title = "Which parameters, and how sure?",
-              .remarks = pooling_text(study),
-              .figures_first = true};
-    case Section::fit:
-      return {.title = "How well do they explain the observation?",
-              .remarks = simulates ? study.report.caption : ""};
-    case Section::diagnostics:
-      return {.title = "Can the posteriors be trusted?"};
-    case Section::next_steps:
-      return {.title = "What next?", .code = has_posteriors(data) ? next_steps(data) : ""};
-    case Section::policies:
-      return {.title = "Policies", .prose = has_policies(data) ? policy_prose(data) : ""};
-    case Section::samples:
-      return {.title = "Posterior samples"};
-    case Section::details:
-      return {.title = "Method by method, round by round",
-              .remarks = simulates ? "" : study.report.caption,
-              .is_folded = true};
-  }
-  return {};
+  return {{Section::posteriors,
+           {.title = "Which parameters, and how sure?",
+            .remarks = pooling_text(study),
+            .figures_first = true}},
+          {Section::fit,
+           {.title = "How well do they explain the observation?",
+            .remarks = simulates ? study.report.caption : ""}},
+          {Section::diagnostics, {.title = "Can the posteriors be trusted?"}},
+          {Section::next_steps,
+           {.title = "What next?", .code = has_posteriors(data) ? next_steps(data) : ""}},
+          {Section::policies,
+           {.title = "Policies", .prose = has_policies(data) ? policy_prose(data) : ""}},
+          {Section::samples, {.title = "Posterior samples"}},
+          {Section::details,
+           {.title = "Method by method, round by round",
+            .remarks = simulates ? "" : study.report.caption,
+            .is_folded = true}}};
 }
 
-void add_symbols(analysis::Table& table, const std::map<std::string, std::string>& symbols) {
-  for (analysis::Row& row : table.rows) {
-    const auto symbol = symbols.find(row.label);
-    if (symbol != symbols.end()) row.symbol = symbol->second;
-  }
-}
-
-analysis::ReportFigure draw(const ReportedFigure& made, const std::vector<std::string>& methods,
-                            const fs::path& folder) {
-  analysis::ReportFigure figure{write_figure(made.figure, folder).svg,
-                                made.caption + left_out_methods(methods)};
-  if (made.narrow) figure.narrow = write_figure(*made.narrow, folder).svg;
-  return figure;
-}
-
-analysis::ReportSection make_section(Section section, const ReportData& data,
-                                     const fs::path& folder) {
-  analysis::ReportSection made = heading(section, data);
+// Adds the tables and figures of a section.
+void fill_section(Section section, const ReportData& data, const fs::path& folder,
+                  analysis::ReportSection& made) {
+  const auto& symbols = data.plan.study.report.symbols;
   const auto methods = section == Section::policies ? data.policy_methods() : data.methods;
-  for (const TableEntry& entry : kTables) {
+  for (const auto& entry : kTables) {
     if (entry.section != section) continue;
     std::optional<analysis::Table> table = entry.make(data);
     if (!table) {  // an earlier report may have had it, with figures that are no longer true
@@ -142,15 +135,21 @@ analysis::ReportSection make_section(Section section, const ReportData& data,
     }
     table->name = entry.name;
     table->command = data.plan.command();
-    add_symbols(*table, data.plan.study.report.symbols);
+    for (analysis::Row& row : table->rows) {
+      const auto symbol = symbols.find(row.label);
+      if (symbol != symbols.end()) row.symbol = symbol->second;
+    }
     made.tables.push_back(*std::move(table));
   }
-  for (const FigureEntry& entry : kFigures) {
+  for (const auto& entry : kFigures) {
     if (entry.section != section) continue;
     const auto figure = entry.make(data);
-    if (figure) made.figures.push_back(draw(*figure, methods, folder / "figures"));
+    if (!figure) continue;
+    analysis::ReportFigure& shown = made.figures.emplace_back(
+        analysis::ReportFigure{write_figure(figure->figure, folder / "figures").svg,
+                               figure->caption + left_out_methods(methods)});
+    if (figure->narrow) shown.narrow = write_figure(*figure->narrow, folder / "figures").svg;
   }
-  return made;
 }
 
 // What the check of diagnoses says, for studies without it.
@@ -195,6 +194,11 @@ std::vector<fs::path> write_tables(const analysis::Report& report, const fs::pat
   return files;
 }
 
+std::string posterior_of(const ReportData& data, const std::string& method) {
+  const Use& use = data.runs_of(method).front()->use;
+  return link_of(data.plan, data.plan.node(Stage::infer, use), use).string();
+}
+
 }  // namespace
 
 void run_report(const Plan& plan, const Node& node) {
@@ -213,8 +217,8 @@ void run_report(const Plan& plan, const Node& node) {
   for (const CheckSummary& check : checks) {
     report.verdicts.push_back({check.failed.empty(), words_of(check), check.reasons});
   }
-  for (const Section section : kSections) {
-    analysis::ReportSection made = make_section(section, data, folder);
+  for (auto& [section, made] : headings(data)) {
+    fill_section(section, data, folder, made);
     const bool is_empty = made.tables.empty() && made.figures.empty() && made.code.empty();
     if (!is_empty) report.sections.push_back(std::move(made));
   }
@@ -223,6 +227,56 @@ void run_report(const Plan& plan, const Node& node) {
   const std::vector<fs::path> files = write_tables(report, folder / "tables");
   analysis::write_report(report, report_path(plan));
   mark_report(node, plan.study.places.origin(), files, checks);
+}
+
+std::string pooling_text(const Study& study) {
+  std::vector<std::string> names;
+  for (const MethodConfig& method : study.methods) {
+    if (method.algorithm.kind == inference::Algorithm::npe_nle) names.push_back(method.name);
+  }
+  if (names.empty()) return "";
+  return fmt::format(
+      "{} combine{} two kinds of neural networks that learn from the same simulations: one says "
+      "which parameters explain the observation (neural posterior estimation, NPE), the other to "
+      "which observation parameters lead (neural likelihood estimation, NLE). Each counts as much "
+      "as it has proved to predict simulations that neither had seen: its power in the table of "
+      "experiments. Where the powers add up to more than 1, both together are narrower than each, "
+      "which such simulations bore out.",
+      join(names, names.size() == 2 ? " and " : ", "), names.size() == 1 ? "s" : "");
+}
+
+std::string next_steps(const ReportData& data) {
+  std::map<std::string, CheckSummary> checks;
+  for (const CheckSummary& summary : check_summaries(data)) checks[summary.method] = summary;
+  std::string text = fmt::format("# Posteriors, seed {}\n", data.seeds.front());
+  for (const std::string& method : data.methods) {
+    const std::string words = checks.contains(method) ? words_of(checks[method]) : method;
+    text += fmt::format("{}    # {}\n", posterior_of(data, method), words);
+  }
+  // That of which the fewest checks fail, then can't tell, of those that were checked at all.
+  const std::string best =
+      *std::ranges::min_element(data.methods, {}, [&](const std::string& method) {
+        const auto found = checks.find(method);
+        if (found == checks.end()) return std::tuple(true, std::size_t{0}, std::size_t{0});
+        return std::tuple(false, found->second.failed.size(), found->second.unknown.size());
+      });
+  if (checks.contains(best) && !checks[best].failed.empty()) {
+    text += fmt::format(
+        "\n# Checks of {} fail: do first what the verdicts say; its draws may be wrong\n", best);
+  }
+  return text + fmt::format(
+                    "\n# Domain parameters for a simulator of yours: 1000 draws of the posterior, "
+                    "one a line\n"
+                    "npdr sample {} -n 1000 > theta.csv\n"
+                    "\n# In Python, a new one for each training episode\n"
+                    "import numpy as np\n"
+                    "header = open(\"theta.csv\").readline().strip()\n"
+                    "names = [name.split(\" [\")[0] for name in header.split(\",\")]\n"
+                    "theta = np.loadtxt(\"theta.csv\", delimiter=\",\", skiprows=1, ndmin=2)\n"
+                    "rng = np.random.default_rng(1)\n"
+                    "for episode in range(100):\n"
+                    "    parameters = dict(zip(names, rng.choice(theta)))\n",
+                    shell_word(posterior_of(data, best)));
 }
 
 }  // namespace npdr::pipeline

@@ -28,7 +28,7 @@ struct StageArguments {
 
 // Takes a node that belongs to no round as one of each.
 bool uses_round(const Node& node, std::optional<Index> round) {
-  return !round || std::any_of(node.uses.begin(), node.uses.end(), [&](const Use& use) {
+  return !round || std::ranges::any_of(node.uses, [&](const Use& use) {
     return use.round == *round || use.round == 0;
   });
 }
@@ -123,30 +123,25 @@ void help(const Plan& plan, const StageArguments& arguments) {
   fmt::print("{}: helped with {}\n", node.label(), counted(num_rows, "row"));
 }
 
-std::string description_of(const std::string& program) {
+// Stages whose executable has that name (plan/stage.h).
+std::vector<std::string> stages_of(const std::string& program) {
   std::vector<std::string> stages;
   for (const StageTraits& stage : enum_table(Stage{})) {
     if (stage.program == program) stages.emplace_back(stage.name);
   }
-  return "Makes what a study lacks of the stage " + join(stages, " or ") + ".";
-}
-
-// Whether a stage's executable has that name (plan/plan.h).
-bool is_stage_program(const std::string& program) {
-  return std::ranges::any_of(enum_table(Stage{}),
-                             [&](const StageTraits& stage) { return stage.program == program; });
+  return stages;
 }
 
 // Makes the missing artefacts of the stages whose executable is `program`, where their inputs are
 // there. Returns the exit status.
 int stage_main(const std::string& program, int argc, char** argv) {
-  CLI::App app(description_of(program), program);
+  CLI::App app("Makes what a study lacks of the stage " + join(stages_of(program), " or ") + ".",
+               program);
   StageArguments arguments;
   arguments.study.add_to(app);
   app.add_option("--round", arguments.round, "only this round, counted from 1");
   app.add_option("--artefact", arguments.key, "only the artefact whose key begins like this");
-  const bool has_shards = program == traits_of(Stage::simulate).program;
-  if (has_shards) {
+  if (program == traits_of(Stage::simulate).program) {
     app.add_option("--shard", arguments.shards, "only these shards, such as 0-3,7");
     app.add_option("--helper", arguments.helper,
                    "simulate rows for the refinement --artefact while it runs elsewhere, as the "
@@ -197,6 +192,6 @@ int npdr_main(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const std::string name = std::filesystem::path(argc > 0 ? argv[0] : "").filename();
-  if (npdr::pipeline::is_stage_program(name)) return npdr::pipeline::stage_main(name, argc, argv);
-  return npdr::pipeline::npdr_main(argc, argv);
+  return npdr::pipeline::stages_of(name).empty() ? npdr::pipeline::npdr_main(argc, argv)
+                                                 : npdr::pipeline::stage_main(name, argc, argv);
 }

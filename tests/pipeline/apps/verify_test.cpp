@@ -2,7 +2,7 @@
 #include <functional>
 
 #include "core/error.h"
-#include "pipeline/apps/verify.h"
+#include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/run/run_stage.h"

@@ -1,9 +1,9 @@
 #include <numbers>
 #include <set>
 
-#include "pipeline/report/figure_parts.h"
+#include "pipeline/report/parts.h"
 #include "pipeline/report/registry.h"
-#include "pipeline/report/texts.h"
+#include "pipeline/report/report.h"
 #include "tests/pipeline/findings/findings_fixture.h"
 #include "tests/pipeline/small_study.h"
 
@@ -115,7 +115,7 @@ TEST(ReportTables, NoiseIsThatOfChannelsThatHaveAny) {
 // Two of one name would write the same files.
 TEST(ReportTables, HaveNamesOfTheirOwn) {
   std::set<std::string> names;
-  for (const TableEntry& entry : kTables) EXPECT_TRUE(names.insert(entry.name).second);
+  for (const auto& entry : kTables) EXPECT_TRUE(names.insert(entry.name).second);
   EXPECT_TRUE(names.contains("fit"));
 }
 

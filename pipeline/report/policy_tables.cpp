@@ -3,9 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/plan/completeness.h"
-#include "pipeline/report/policy_parts.h"
-#include "pipeline/report/registry.h"
-#include "pipeline/report/table_parts.h"
+#include "pipeline/report/parts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -144,17 +142,6 @@ void add_tests(const ReportData& data, TableOf<std::string>& table) {
   }
 }
 
-// Core-hours of one experiment in some stages; what methods share counts for each.
-double core_hours(const ReportData& data, const std::string& method, std::uint64_t seed,
-                  const std::vector<Stage>& stages) {
-  double seconds = 0.0;
-  for (const Node* node : nodes_of(data, method, seed, stages)) {
-    if (!is_complete(data.plan, *node)) continue;
-    seconds += read_artefact_info(node->path).provenance.cost.core_seconds;
-  }
-  return seconds / 3600.0;
-}
-
 // A method and seed: the policy that its last search found.
 struct PolicyOfSeed {
   std::string label;
@@ -172,7 +159,7 @@ TableOf<PolicyOfSeed> table_of_policies_of_seeds(const ReportData& data, std::st
   for (const std::string& method : data.policy_methods()) {
     for (std::size_t s = 0; s < data.seeds.size(); ++s) {
       const PolicyHistory* last = histories_of(data, method, data.seeds[s]).back();
-      table.rows.push_back({experiment_label(method, data.seeds[s]),
+      table.rows.push_back({fmt::format("{}, {}", method, data.seeds[s]),
                             last->policies.bottomRows(1).transpose(), last, s, method});
     }
   }
@@ -213,10 +200,17 @@ std::optional<Table> policy_cost_table(const ReportData& data) {
   if (!has_policies(data)) return std::nullopt;
   auto table = table_of_policy_methods(
       data, "What policies took: core-hours of one experiment, mean and standard deviation.");
+  // What methods share counts for each.
   const auto add = [&](const char* title, const std::vector<Stage>& stages) {
     table.add(title, [&data, stages](const std::string& method) {
-      return analysis::summarize(each(
-          data.seeds, [&](std::uint64_t seed) { return core_hours(data, method, seed, stages); }));
+      return analysis::summarize(each(data.seeds, [&](std::uint64_t seed) {
+        double seconds = 0.0;
+        for (const Node* node : nodes_of(data, method, seed, stages)) {
+          if (!is_complete(data.plan, *node)) continue;
+          seconds += read_artefact_info(node->path).provenance.cost.core_seconds;
+        }
+        return seconds / 3600.0;
+      }));
     });
   };
   add("simulation", {Stage::target, Stage::propose, Stage::simulate});

@@ -6,8 +6,7 @@
 #include "core/constants.h"
 #include "core/quantile.h"
 #include "pipeline/features/observation.h"
-#include "pipeline/report/registry.h"
-#include "pipeline/report/table_parts.h"
+#include "pipeline/report/parts.h"
 #include "sim/noise_transform.h"
 
 namespace npdr::pipeline {

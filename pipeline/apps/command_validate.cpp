@@ -1,22 +1,24 @@
-// Commands about study files: validate, new.
+// The command that checks a study: what it implies, what its simulator gives.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 
+#include "core/error.h"
 #include "core/text.h"
+#include "inference/prior.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/apps/new_study.h"
-#include "pipeline/apps/trial_rows.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/check.h"
 #include "pipeline/config/study_check.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_keys.h"
 #include "pipeline/plan/completeness.h"
+#include "pipeline/process/progress.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -173,18 +175,92 @@ void print_edit_marks(const std::filesystem::path& study) {
              numbers.size() == 1 ? "line" : "lines", join(numbers));
 }
 
-void write_new_study(NewStudy wanted) {
-  if (wanted.name.ends_with(".toml")) wanted.name.resize(wanted.name.size() - 5);
-  const std::filesystem::path path = wanted.name + ".toml";
-  const std::string text =
-      wanted.is_specific() ? new_study_text(wanted) : study_template(wanted.name);
-  if (std::filesystem::exists(path)) {
-    throw InputError(path.string() + ": is there already; choose another name or remove it");
+constexpr std::size_t kMostShown = 12;  // numbers of a row
+
+// "mass = 1.2, length = 0.5"; units where there are any.
+template <class Values>
+std::string numbers_text(const std::vector<Channel>& names, const Values& values) {
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < std::min(names.size(), kMostShown); ++i) {
+    const auto& [label, unit] = names[i];
+    words.push_back(fmt::format("{} = {:.6g}{}{}", shortened(label), values[static_cast<Index>(i)],
+                                unit == "1" ? "" : " ", unit == "1" ? "" : unit));
   }
-  write_text_file(path, text);
-  const bool needs_edits = text.find("EDIT") != std::string::npos;
-  fmt::print("wrote {0}; {1}run it with: npdr run {0}\n", path.string(),
-             needs_edits ? "edit the lines with EDIT, then " : "");
+  if (names.size() > kMostShown) words.emplace_back(fmt::format("... {} numbers", names.size()));
+  return join(words);
+}
+
+std::string result_text(const Plan& plan, const sim::Trajectories& x, Index row) {
+  const sim::RolloutStatus status = x.status[static_cast<std::size_t>(row)];
+  if (status != sim::RolloutStatus::ok) return std::string(sim::to_string(status));
+  const std::vector<Channel>& channels = plan.source->info().state_channels;
+  const Eigen::RowVectorXf last = x.rollout(row, x.num_rollouts - 1).bottomRows<1>();
+  if (!plan.study.source().gives_motion) return "x: " + numbers_text(channels, last);
+  return fmt::format("{} of {}; the last: {}", counted(x.num_rollouts, "rollout"),
+                     counted(x.num_steps, "state"), numbers_text(channels, last));
+}
+
+// The first round of the first experiment. Studies that only refine have none.
+Use first_use(const Plan& plan) {
+  for (const Node& node : plan.nodes) {
+    if (node.stage == Stage::simulate && node.uses.front().round == 1) return node.uses.front();
+  }
+  return {.seed = plan.study.seeds.front(), .round = 1};
+}
+
+// What its rows replay.
+Target replayed_target(const Plan& plan, const Use& use) {
+  if (!plan.study.source().gives_motion) return {};
+  const Target used = make_seen_target(plan);
+  const Index seen = use.method.empty() ? 0 : num_rollouts_seen(plan.study.method(use.method), use);
+  return seen > 0 ? used.first(seen) : used;
+}
+
+void tell_of_failures(const sim::Trajectories& x, const RowSimulator& simulator) {
+  const Index good = std::ranges::count(x.status, sim::RolloutStatus::ok);
+  const std::string last = simulator.last_failure();
+  const std::string why = last.empty() ? "" : ": " + last;
+  report_findings("npdr validate", simulator.last_warnings());
+  if (good == 0) throw FailedRolloutsError("no row that was tried has a result" + why);
+  if (good < x.num_rows) {
+    report_warning("npdr validate",
+                   fmt::format("{} of {} rows failed{}", x.num_rows - good, x.num_rows, why));
+  } else if (!last.empty()) {
+    report_warning("npdr validate",
+                   "a call failed that went well when it was repeated, or with fewer rows" + why);
+  }
+}
+
+// Simulates the first `count` rows of the first round of the plan's first experiment, with their
+// parameters and random numbers, and prints what went in, what came out and how long it took; of a
+// study that only refines, draws of the prior. Writes no file. Throws InputError where rows are
+// finished simulations; FailedRolloutsError where none of them gives a result.
+void try_rows(const Plan& plan, Index count) {
+  const Study& study = plan.study;
+  if (!study.source().simulates) {
+    throw InputError("--try: simulator.dataset has finished simulations, there is none to try");
+  }
+  const Use use = first_use(plan);
+  Study alone = study;  // all rows by one call: a program may be wrong about several
+  alone.external.parallel_calls = 1;
+  const std::unique_ptr<Source> source = make_source(alone);
+  const auto simulator = source->open(
+      {.simulator = study.simulator, .target = replayed_target(plan, use), .seed = use.seed});
+  const RowMatrix theta =
+      inference::sample_prior(inference::Prior(study.prior), count, use.seed, use.stream_round());
+  const auto start = std::chrono::steady_clock::now();
+  const sim::Trajectories x = simulator->simulate(
+      source->parameters().complete(theta),
+      {use.seed, kSimulationStream, static_cast<std::uint64_t>(use.round), 0, 0});
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  std::vector<Channel> parameters;
+  for (const inference::Marginal& m : study.prior) parameters.push_back({m.name, m.unit});
+  for (Index i = 0; i < count; ++i) {
+    print_line("row {}: {}", i, numbers_text(parameters, theta.row(i)));
+    print_line("  {}", result_text(plan, x, i));
+  }
+  print_line("{} in {:.3g} s", counted(count, "row"), taken.count());
+  tell_of_failures(x, *simulator);
 }
 
 }  // namespace
@@ -202,7 +278,7 @@ Action validate_command(CLI::App& command) {
       ->type_name("N")
       ->check(CLI::Range(1, 1000));
   command.footer("Examples:\n  npdr validate study.toml\n  npdr validate study.toml --try 3");
-  return [study, resolved, num_tries] {
+  return done_after([study, resolved, num_tries] {
     const Plan plan = study->plan();
     const bool has_motion = plan.study.target.recording && plan.study.source().gives_motion;
     if (has_motion) require_motion(plan.study, plan.target);
@@ -211,25 +287,7 @@ Action validate_command(CLI::App& command) {
     print_warnings("npdr validate", plan);
     print_edit_marks(study->file);
     if (*num_tries > 0) try_rows(plan, *num_tries);
-    return ExitStatus::done;
-  };
-}
-
-Action new_command(CLI::App& command) {
-  auto wanted = std::make_shared<NewStudy>();
-  command.add_option("NAME", wanted->name, "of the study; NAME.toml is written")->required();
-  command.add_option("--recording", wanted->recording, "recorded rollouts (npdr import)");
-  command.add_option("--observation", wanted->observation, "x_o: CSV with one row, or HDF5");
-  command.add_option("--simulator", wanted->simulator, "a built-in one (npdr list simulators)");
-  command.add_option("--worker", wanted->worker, "program that stays: 'python3 sim.py'");
-  command.add_option("--library", wanted->library, "shared library with npdr_simulator.h");
-  command.add_option("--mjcf", wanted->mjcf, "model of MuJoCo");
-  command.add_option("--dataset", wanted->dataset, "finished simulations (npdr import --theta)");
-  command.add_option("--command", wanted->command, "program that reads and writes files");
-  command.footer(
-      "Examples:\n  npdr new spring --recording spring.h5 --worker 'python3 spring.py'\n"
-      "  npdr new counts --observation x_o.csv --command 'python3 counts.py {theta} {x}'");
-  return done_after([wanted] { write_new_study(*wanted); });
+  });
 }
 
 }  // namespace npdr::pipeline

@@ -1,29 +1,17 @@
-#include "pipeline/report/table_parts.h"
+#include "pipeline/report/parts.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
+#include "analysis/interval_plot.h"
+#include "analysis/pair_plot.h"
 #include "core/quantile.h"
 #include "core/text.h"
+#include "pipeline/predictions/policy_rollouts.h"
 
 namespace npdr::pipeline {
-
-std::string experiment_label(const std::string& method, std::uint64_t seed) {
-  return fmt::format("{}, {}", method, seed);
-}
-
-TableOf<Index> table_of_parameters(const ReportData& data, std::string caption) {
-  const std::vector<inference::Marginal>& prior = data.plan.study.prior;
-  std::vector<Index> positions(prior.size());
-  std::iota(positions.begin(), positions.end(), Index{0});
-  return {.caption = std::move(caption),
-          .row_header = "Parameter",
-          .rows = std::move(positions),
-          .label = [&](Index d) { return prior[static_cast<std::size_t>(d)].name; }};
-}
 
 std::string title_of(const ReportData& data, const std::string& metric) {
   if (metric.starts_with(kHeldOutPrefix)) {
@@ -111,23 +99,67 @@ std::string interval_text(const Vector& samples) {
   return interval_text(quantile(samples, 0.05), quantile(samples, 0.95));
 }
 
-Vector samples_of(const ReportData& data, const std::string& method, Index d) {
-  return pooled(data.runs_of(method),
-                [d](const EvaluatedRun* run) -> Vector { return run->evaluation.theta.col(d); });
+std::vector<std::string> drawn_methods(std::vector<std::string> methods) {
+  methods.resize(std::min(methods.size(), analysis::kMaxMethods));
+  return methods;
 }
 
-Vector unwrapped_samples_of(const ReportData& data, const std::string& method, Index d) {
-  Vector samples = samples_of(data, method, d);
-  const double period = data.period_of(d);
-  if (!(period > 0.0)) return samples;
-  const double mean = data.summary_of(d, samples).mean;
-  return samples.unaryExpr([&](double v) { return mean + std::remainder(v - mean, period); });
+std::string left_out_methods(const std::vector<std::string>& methods) {
+  const std::size_t drawn = drawn_methods(methods).size();
+  if (drawn == methods.size()) return "";
+  return fmt::format(" The first {} of {} methods.", drawn, methods.size());
 }
 
-Vector predicted_feature(const ReportData& data, const std::string& method, Index f) {
-  return pooled(data.runs_of(method), [f](const EvaluatedRun* run) -> Vector {
-    return run->evaluation.x->col(f).cast<double>();
-  });
+std::vector<Index> shown_parameters(const Study& study) {
+  std::vector<Index> shown;
+  if (study.report.parameters.empty()) {
+    shown.resize(std::min<std::size_t>(study.prior.size(), analysis::kMaxPairParameters));
+    std::iota(shown.begin(), shown.end(), Index{0});
+  }
+  for (const std::string& name : study.report.parameters) {
+    const auto found = std::ranges::find(study.prior, name, &inference::Marginal::name);
+    shown.push_back(found - study.prior.begin());
+  }
+  return shown;
 }
+
+std::string left_out_parameters(const Study& study) {
+  const std::size_t shown = shown_parameters(study).size();
+  if (shown == study.prior.size()) return "";
+  return fmt::format(" {} of {} parameters.", shown, study.prior.size());
+}
+
+RowMatrix interval_quantiles(const RowMatrix& samples) {
+  RowMatrix quantiles(samples.cols(), std::ssize(analysis::kIntervalLevels));
+  for (Index d = 0; d < samples.cols(); ++d) {
+    const std::vector<double> sorted = sorted_finite(samples.col(d));
+    Index k = 0;
+    for (const double level : analysis::kIntervalLevels) {
+      quantiles(d, k++) = quantile_of_sorted(sorted, level);
+    }
+  }
+  return quantiles;
+}
+
+std::vector<const PolicyTest*> tests_of(const ReportData& data, const std::string& method,
+                                        Searches searches) {
+  std::vector<const PolicyTest*> tests;
+  for (const auto& run : data.policy_tests) {
+    const Searches of_run = run.use.iteration == 0 ? Searches::before : Searches::after;
+    if (run.use.method == method && of_run == searches) tests.push_back(&run.result);
+  }
+  return tests;
+}
+
+std::vector<const PolicyHistory*> histories_of(const ReportData& data, const std::string& method,
+                                               std::uint64_t seed) {
+  std::vector<const PolicyHistory*> histories;
+  for (const auto& run : data.policies) {  // iterations of one seed are in their order
+    if (run.use.method == method && run.use.seed == seed) histories.push_back(&run.result);
+  }
+  return histories;
+}
+
+sim::PolicyTaskInfo task_info(const ReportData& data) { return make_task(data.plan.study)->info(); }
 
 }  // namespace npdr::pipeline

@@ -1,9 +1,12 @@
-#include "pipeline/apps/new_study.h"
-
+// The command that starts a study: from a template, or for a simulator or recording of the user's.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <vector>
@@ -11,16 +14,31 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/channels.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/feature_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/simulator_info.h"
+#include "pipeline/config/study_keys.h"
 #include "pipeline/sources/marginal_fit.h"
 
 namespace npdr::pipeline {
 namespace {
+
+// Options that name a simulator, of which a new study has one.
+constexpr const char* kSimulatorOptions[] = {"simulator", "command", "worker",
+                                             "library",   "mjcf",    "dataset"};
+
+// Subject of a new study: the options of its command, "" those that weren't given.
+struct NewStudy {
+  std::string name;
+  std::map<std::string, std::string> options;
+
+  const std::string& of(const char* option) const { return options.at(option); }
+  bool has(const char* option) const { return !of(option).empty(); }
+};
 
 // States of a rollout that are enough to tell parameters apart.
 constexpr Index kStatesLeft = 50;
@@ -82,42 +100,48 @@ void require(const std::string& name, const std::string& value,
 class Writer {
  public:
   explicit Writer(const NewStudy& wanted) : wanted_(wanted) {
-    if (!wanted.recording.empty()) recording_ = read_recording(wanted.recording);
+    if (wanted.has("recording")) recording_ = read_recording(wanted.of("recording"));
     find_simulator();
   }
 
   std::string text() {
-    add_head();
+    text_ = fmt::format(
+        "# Check it with `npdr validate {0}.toml{1}`, run it with `npdr run {0}.toml`.\n"
+        "# Lines with EDIT need you; docs/study-files.md explains every key.\n\n[study]\nname = "
+        "\"{0}\"\n\n",
+        wanted_.name, wanted_.has("dataset") ? "" : " --try 3");
     add_target();
     add_simulator();
     add_prior();
-    if (is_program()) add_shards();
     add_method();
     return text_;
   }
 
  private:
   // A program says nothing of itself.
-  bool is_program() const { return !wanted_.command.empty() || !wanted_.worker.empty(); }
-  bool gives_motion() const { return (wanted_.command.empty() && !dataset_) || recording_; }
-
-  bool holds_out() const { return recording_ && recording_->num_rollouts() >= 3; }
+  bool is_program() const { return wanted_.has("command") || wanted_.has("worker"); }
+  bool gives_motion() const { return (!wanted_.has("command") && !dataset_) || recording_; }
 
   void find_simulator() {
     Study study;
-    study.simulator.name = wanted_.simulator;
-    if (!wanted_.library.empty()) study.external.library = wanted_.library;
-    if (!wanted_.mjcf.empty()) study.external.mjcf = wanted_.mjcf;
+    study.simulator.name = wanted_.of("simulator");
+    if (wanted_.has("library")) study.external.library = wanted_.of("library");
+    if (wanted_.has("mjcf")) study.external.mjcf = wanted_.of("mjcf");
     study.external.folder = ".";
-    if (!wanted_.dataset.empty()) {
-      dataset_.emplace(wanted_.dataset, std::vector<std::string>{});
+    if (wanted_.has("dataset")) {
+      dataset_.emplace(wanted_.of("dataset"), std::vector<std::string>{});
       marginals_ = marginals_of(*dataset_);
     } else if (!is_program()) {
-      if (!wanted_.simulator.empty()) require_built_in(wanted_.simulator);
+      const std::vector<std::string> known = sim::simulator_names();
+      if (wanted_.has("simulator") && std::ranges::count(known, study.simulator.name) == 0) {
+        throw InputError(unknown_name("simulator", study.simulator.name, known));
+      }
       info_ = simulator_info(study);
     }
-    if (recording_ && !is_program()) read_recording(wanted_.recording, channels_of(info_));
-    if (recording_ && is_program()) {
+    if (!recording_) return;
+    if (!is_program()) {
+      read_recording(wanted_.of("recording"), channels_of(info_));
+    } else {
       info_.state_channels = recording_->state_channels;
       info_.action_channels = recording_->action_channels;
     }
@@ -143,33 +167,18 @@ class Writer {
     return marginals;
   }
 
-  static void require_built_in(const std::string& name) {
-    const std::vector<std::string> known = sim::simulator_names();
-    if (std::ranges::count(known, name) == 0) {
-      throw InputError(unknown_name("simulator", name, known));
-    }
-  }
-
-  void add_head() {
-    text_ += fmt::format(
-        "# Check it with `npdr validate {0}.toml{1}`, run it with `npdr run {0}.toml`.\n"
-        "# Lines with EDIT need you; docs/study-files.md explains every key.\n\n[study]\nname = "
-        "\"{0}\"\n\n",
-        wanted_.name, wanted_.dataset.empty() ? " --try 3" : "");
-  }
-
   void add_target() {
     text_ += "[target]\n";
     if (recording_) {
-      text_ += fmt::format("recording = {}\n", quoted_toml(wanted_.recording));
-      if (holds_out()) {
+      text_ += fmt::format("recording = {}\n", quoted_toml(wanted_.of("recording")));
+      if (recording_->num_rollouts() >= 3) {
         text_ += fmt::format(
             "num_rollouts = {}  # that inference sees\n"
             "held_out = 1  # that it doesn't, to predict; EDIT: 0 to use all\n",
             recording_->num_rollouts() - 1);
       }
-    } else if (!wanted_.observation.empty()) {
-      text_ += fmt::format("observation = {}\n", quoted_toml(wanted_.observation));
+    } else if (wanted_.has("observation")) {
+      text_ += fmt::format("observation = {}\n", quoted_toml(wanted_.of("observation")));
     } else if (dataset_) {
       text_ += "observation = \"x_o.csv\"  # EDIT: the file of what was observed\n";
     } else if (is_program()) {
@@ -184,19 +193,19 @@ class Writer {
 
   void add_simulator() {
     text_ += "[simulator]\n";
-    add_setting("name", wanted_.simulator);
-    add_setting("command", wanted_.command);
-    add_setting("worker", wanted_.worker);
-    add_setting("library", wanted_.library);
-    add_setting("mjcf", wanted_.mjcf);
-    add_setting("dataset", wanted_.dataset);
-    const bool is_own = wanted_.simulator.empty();
+    for (const std::string option : kSimulatorOptions) {
+      const std::string& value = wanted_.options.at(option);
+      if (value.empty()) continue;
+      text_ +=
+          fmt::format("{} = {}\n", option == "simulator" ? "name" : option, quoted_toml(value));
+    }
+    const bool is_own = !wanted_.has("simulator");
     if (is_program() && gives_motion()) {
       const char* const mark = recording_ ? "" : "  # EDIT";
       const auto states = recording_ ? info_.state_channels : std::vector<Channel>{{"q", "rad"}};
       text_ += fmt::format("states = {}{}\nactions = {}{}\n", toml_list(states), mark,
                            toml_list(info_.action_channels), mark);
-    } else if (is_program() && wanted_.observation.empty()) {
+    } else if (is_program() && !wanted_.has("observation")) {
       text_ += "features = [\"x0\", \"x1\"]  # EDIT: what the command writes\n";
     }
     if (is_own && gives_motion() && !recording_) {
@@ -212,18 +221,12 @@ class Writer {
           "# Restart from the recorded state after so many steps where errors grow with time:\n"
           "# segment_length = 50\n";
     }
-    if (is_program() && wanted_.observation.empty()) add_described_parameter();
+    if (is_program() && !wanted_.has("observation")) {
+      text_ +=
+          "\n# EDIT: one for each domain parameter that the program knows\n"
+          "[[simulator.parameter]]\nname = \"a\"\nunit = \"1\"\nnominal = 1.0\n";
+    }
     text_ += "\n";
-  }
-
-  void add_described_parameter() {
-    text_ +=
-        "\n# EDIT: one for each domain parameter that the program knows\n"
-        "[[simulator.parameter]]\nname = \"a\"\nunit = \"1\"\nnominal = 1.0\n";
-  }
-
-  void add_setting(const char* key, const std::string& value) {
-    if (!value.empty()) text_ += fmt::format("{} = {}\n", key, quoted_toml(value));
   }
 
   // Half to one and a half of the nominal value, inside of the limits; what is nothing at nominal
@@ -242,13 +245,6 @@ class Writer {
   static std::string exact(double value) { return as_float(fmt::format("{}", value)); }
   static std::string as_float(const std::string& text) {
     return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
-  }
-
-  void add_shards() {
-    text_ +=
-        "# Simulations that are kept together, so that an interrupted run loses no more: fewer "
-        "where\n"
-        "# each takes long. Results don't depend on it.\n[simulate]\nshard_size = 200\n\n";
   }
 
   void add_prior_of_dataset() {
@@ -276,7 +272,10 @@ class Writer {
         "you\n"
         "# don't know.\n[prior]\n";
     if (is_program()) {
-      text_ += "a = { uniform = [0.5, 1.5] }\n\n";
+      text_ +=
+          "a = { uniform = [0.5, 1.5] }\n\n"
+          "# Simulations that are kept together, so that an interrupted run loses no more: fewer "
+          "where\n# each takes long. Results don't depend on it.\n[simulate]\nshard_size = 200\n\n";
       return;
     }
     for (std::size_t i = 0; i < info_.parameters.size(); ++i) {
@@ -288,9 +287,9 @@ class Writer {
     text_ += "\n";
   }
 
-  // A recording is off by what its simulator lacks, too, which nobody knows beforehand.
+  // A recording is off by what its simulator lacks, too, which nobody knows beforehand. Features
+  // have the noise of their program.
   void add_noise() {
-    if (!gives_motion()) return;  // features have the noise of their program
     text_ +=
         "# Noise on what is simulated, as a share of each channel's largest value: what a "
         "recording has\n# and no simulation does.";
@@ -301,7 +300,7 @@ class Writer {
   }
 
   void add_method() {
-    add_noise();
+    if (gives_motion()) add_noise();
     text_ += fmt::format("[[method]]\nname = \"NPE\"\nnum_simulations = {}\n",
                          dataset_ ? dataset_->num_rows() : Index{3000});
     if (!gives_motion()) return;
@@ -320,41 +319,31 @@ class Writer {
   std::string text_;
 };
 
-}  // namespace
-
-bool NewStudy::is_specific() const {
-  return std::ranges::any_of(std::vector<std::string>{simulator, command, worker, library, mjcf,
-                                                      dataset, recording, observation},
-                             [](const std::string& text) { return !text.empty(); });
-}
-
+// Channels of the recording, parameters of the simulator with a prior around their nominal values,
+// those of a dataset with one over their ranges, an embedding of all steps. What only the user can
+// know is marked with `EDIT`.
 std::string new_study_text(const NewStudy& wanted) {
   require("study.name", wanted.name, folder_name());
   std::vector<std::string> found;
-  const auto note = [&](const char* option, const std::string& value,
-                        const Constraint<std::string>& words) {
-    if (value.empty()) return;
-    require(option, value, words);
-    found.emplace_back(option);
-  };
-  note("--simulator", wanted.simulator, file_path());
-  note("--command", wanted.command, shell_command());
-  note("--worker", wanted.worker, shell_command());
-  note("--library", wanted.library, file_path());
-  note("--mjcf", wanted.mjcf, file_path());
-  note("--dataset", wanted.dataset, file_path());
-  if (!wanted.dataset.empty() && !wanted.recording.empty()) {
+  for (const std::string option : kSimulatorOptions) {
+    const std::string& value = wanted.options.at(option);
+    if (value.empty()) continue;
+    const bool is_program = option == "command" || option == "worker";
+    found.push_back("--" + option);
+    require(found.back(), value, is_program ? shell_command() : file_path());
+  }
+  if (wanted.has("dataset") && wanted.has("recording")) {
     throw InputError("--dataset can't go with --recording: a dataset has features of its own");
   }
-  if (!wanted.recording.empty()) require("--recording", wanted.recording, file_path());
-  if (!wanted.observation.empty()) {
-    require("--observation", wanted.observation, file_path());
-    if (!wanted.recording.empty() || (wanted.command.empty() && wanted.dataset.empty())) {
+  if (wanted.has("recording")) require("--recording", wanted.of("recording"), file_path());
+  if (wanted.has("observation")) {
+    require("--observation", wanted.of("observation"), file_path());
+    if (wanted.has("recording") || (!wanted.has("command") && !wanted.has("dataset"))) {
       throw InputError(
           "--observation goes with --command or --dataset, which give numbers x; of motion there "
           "is a --recording");
     }
-    read_observation(wanted.observation, {});
+    read_observation(wanted.of("observation"), {});
   }
   if (found.size() != 1) {
     throw InputError(found.empty() ? "--recording needs one of --simulator, --worker, --library, "
@@ -362,6 +351,43 @@ std::string new_study_text(const NewStudy& wanted) {
                                    : join(found, " and ") + " can't go together; give one of them");
   }
   return Writer(wanted).text();
+}
+
+void write_new_study(NewStudy wanted) {
+  if (wanted.name.ends_with(".toml")) wanted.name.resize(wanted.name.size() - 5);
+  const std::filesystem::path path = wanted.name + ".toml";
+  const bool is_specific = std::ranges::any_of(
+      wanted.options, [](const auto& option) { return !option.second.empty(); });
+  const std::string text = is_specific ? new_study_text(wanted) : study_template(wanted.name);
+  if (std::filesystem::exists(path)) {
+    throw InputError(path.string() + ": is there already; choose another name or remove it");
+  }
+  write_text_file(path, text);
+  const bool needs_edits = text.find("EDIT") != std::string::npos;
+  fmt::print("wrote {0}; {1}run it with: npdr run {0}\n", path.string(),
+             needs_edits ? "edit the lines with EDIT, then " : "");
+}
+
+}  // namespace
+
+Action new_command(CLI::App& command) {
+  auto wanted = std::make_shared<NewStudy>();
+  command.add_option("NAME", wanted->name, "of the study; NAME.toml is written")->required();
+  const auto add = [&](const std::string& option, const char* doc) {
+    command.add_option("--" + option, wanted->options[option], doc);
+  };
+  add("recording", "recorded rollouts (npdr import)");
+  add("observation", "x_o: CSV with one row, or HDF5");
+  add("simulator", "a built-in one (npdr list simulators)");
+  add("worker", "program that stays: 'python3 sim.py'");
+  add("library", "shared library with npdr_simulator.h");
+  add("mjcf", "model of MuJoCo");
+  add("dataset", "finished simulations (npdr import --theta)");
+  add("command", "program that reads and writes files");
+  command.footer(
+      "Examples:\n  npdr new spring --recording spring.h5 --worker 'python3 spring.py'\n"
+      "  npdr new counts --observation x_o.csv --command 'python3 counts.py {theta} {x}'");
+  return done_after([wanted] { write_new_study(*wanted); });
 }
 
 }  // namespace npdr::pipeline

@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "core/constants.h"
-#include "pipeline/report/registry.h"
-#include "pipeline/report/table_parts.h"
+#include "pipeline/report/parts.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -39,22 +38,19 @@ struct ScoreRow {
   }
 };
 
-bool has_log_score(const ReportData& data, const Part& part) {
-  return std::ranges::all_of(data.runs, [&](const EvaluatedRun& run) {
-    return part.of_run(run).front()->log_score.size() > 0;
-  });
-}
-
 // All rows of the rollouts that were seen, left out or held out.
 void add_part(const ReportData& data, const Part& part, std::vector<ScoreRow>& rows) {
   using S = PredictionScores;
   const auto add = [&](const std::string& score, std::function<double(const S&)> number) {
     rows.push_back({score + part.where, part, std::move(number)});
   };
+  const bool has_log_score = std::ranges::all_of(data.runs, [&](const EvaluatedRun& run) {
+    return part.of_run(run).front()->log_score.size() > 0;
+  });
   const bool has_noise = !data.plan.study.observation_noise.is_silent();
   add("CRPS", [](const S& s) { return s.crps.mean(); });
   if (has_noise) add("CRPS with noise", [](const S& s) { return s.noisy_crps.mean(); });
-  if (has_log_score(data, part)) add("log score", [](const S& s) { return s.log_score.mean(); });
+  if (has_log_score) add("log score", [](const S& s) { return s.log_score.mean(); });
   for (const double level : {0.5, 0.9}) {
     const Index row = std::ranges::find(kBandLevels, level) - kBandLevels.begin();
     const std::string bands = fmt::format("{:.0f} % bands cover", 100.0 * level);
