@@ -13,7 +13,7 @@
 #include "inference/diagnostics/mmd.h"
 #include "inference/diagnostics/two_samples.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/artefacts/sample_set.h"
+#include "pipeline/artefacts/outside_file.h"
 
 namespace npdr::pipeline {
 namespace {

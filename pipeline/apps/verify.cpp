@@ -10,7 +10,6 @@
 #include "core/random.h"
 #include "core/text.h"
 #include "inference/prior.h"
-#include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"

@@ -11,7 +11,7 @@
 #include "core/feature_names.h"
 #include "core/types.h"
 #include "pipeline/config/source_traits.h"
-#include "pipeline/store/file_format.h"
+#include "pipeline/store/number_table.h"
 
 namespace npdr::pipeline {
 

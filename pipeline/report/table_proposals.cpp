@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/normal.h"
-#include "pipeline/artefacts/proposal_file.h"
+#include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/report/registry.h"
 #include "pipeline/report/table_parts.h"

@@ -2,8 +2,8 @@
 #include "inference/algorithms/posterior_estimation.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/posterior_file.h"
-#include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
