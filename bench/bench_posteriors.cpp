@@ -114,7 +114,8 @@ std::vector<Observation> published_observations(const std::filesystem::path& pat
   for (Index i = 1; i <= count; ++i) {
     const auto group = file.group(fmt::format("observation_{}", i));
     const RowMatrixF exact = group.read_matrix<float>("reference_posterior");
-    observations.push_back({group.read_vector<double>("x_o").cast<float>(),
+    const auto x_o = group.dataset("x_o").read<double>();
+    observations.push_back({Vector::Map(x_o.data(), std::ssize(x_o)).cast<float>(),
                             exact.topRows(std::min(num_samples, exact.rows())).cast<double>()});
   }
   return observations;

@@ -17,8 +17,8 @@
 #include "inference/diagnostics/mmd.h"
 #include "inference/diagnostics/two_samples.h"
 #include "pipeline/apps/commands.h"
+#include "pipeline/artefacts/outside_file.h"
 #include "pipeline/artefacts/refinement_file.h"
-#include "pipeline/artefacts/sample_set.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/observation.h"
 

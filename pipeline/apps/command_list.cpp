@@ -13,7 +13,7 @@
 #include "inference/estimators/estimator_config.h"
 #include "inference/prior.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/artefacts/layout.h"
 #include "pipeline/config/check.h"
 #include "pipeline/config/metric.h"
 #include "pipeline/config/study_keys.h"

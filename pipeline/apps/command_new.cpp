@@ -15,7 +15,6 @@
 #include "core/printable.h"
 #include "core/text.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/artefacts/channels.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/feature_file.h"
 #include "pipeline/artefacts/recording.h"

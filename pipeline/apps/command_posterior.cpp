@@ -19,11 +19,11 @@
 #include "inference/samplers/chain_diagnostics.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/feature_file.h"
+#include "pipeline/artefacts/network_file.h"
+#include "pipeline/artefacts/outside_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/recording.h"
-#include "pipeline/artefacts/sample_set.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/artefacts/usual_features_file.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/findings/findings.h"
@@ -89,7 +89,7 @@ struct Observation {
 
 // x of another recording, embedded as the posterior's own observation was.
 Observation embed_recording(const std::string& posterior, const std::string& recording) {
-  const h5::File file = open_artefact(posterior, kPosteriorSchema);
+  const h5::File file = open_artefact({posterior}, kPosteriorSchema);
   const ArtefactInfo info = read_artefact_info(posterior);
   const auto config = from_json<inference::EmbeddingConfig>(
       parse_json(file.attribute<std::string>("embedding"), posterior), posterior);

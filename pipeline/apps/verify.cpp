@@ -9,7 +9,6 @@
 #include "core/text.h"
 #include "inference/prior.h"
 #include "pipeline/apps/commands.h"
-#include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"

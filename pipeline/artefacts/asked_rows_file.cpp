@@ -5,12 +5,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/error.h"
 #include "core/text.h"
-#include "pipeline/artefacts/described_artefact.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/process/build_info.h"
-#include "pipeline/store/content_key.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
@@ -71,7 +68,6 @@ void describe(Layout f, AskedRows& asked) {
                     f.where(), asked.first, asked.shard_size, kMostRows));
   }
 }
-template struct Artefact<AskedRows>;
 
 void describe(Layout f, SimulatedRows& rows) {
   f.attribute("num_failed", rows.num_failed, "of these rows couldn't be simulated");
@@ -95,7 +91,6 @@ void describe(Layout f, SimulatedRows& rows) {
   t.num_rows = std::ssize(status);
   for (const std::uint8_t s : status) t.status.push_back(static_cast<sim::RolloutStatus>(s));
 }
-template struct Artefact<SimulatedRows>;
 
 std::string AskedRows::file_name() const {
   Hasher what;
@@ -105,11 +100,6 @@ std::string AskedRows::file_name() const {
   what.add_bytes(&rollouts, sizeof(rollouts));
   return fmt::format("{}{}-{}-{}{}", kAsked, first, end(), what.hex().substr(0, kKeyDigits),
                      kExtension);
-}
-
-void write_asked_rows(const std::filesystem::path& folder, const Identity& posterior,
-                      const AskedRows& asked) {
-  kAskedRowsSchema.write(folder / asked.file_name(), posterior, asked);
 }
 
 std::vector<std::string> names_of_asked_rows(const std::set<std::string>& names) {

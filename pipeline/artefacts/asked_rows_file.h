@@ -1,5 +1,5 @@
-/// Rows of theta that a refinement wants to be simulated next, and what becomes of them, by which
-/// it shares its simulations with helpers. All of them lie in one folder (WorkFolder::asked_rows):
+/// Rows of theta that a refinement wants to be simulated next, and their simulations, which helpers
+/// share, in one folder (WorkFolder::asked_rows):
 ///
 ///   asked-<first>-<end>-<digits>.h5  the rows, while the refinement waits for them
 ///   rows-<begin>-<end>-<digits>.h5   likelihoods of some of them
@@ -29,12 +29,7 @@ struct AskedRows {
   Index end() const { return first + theta.rows(); }
   std::string file_name() const;
 };
-
 void describe(Layout f, AskedRows& asked);
-
-/// Writes what the refinement `posterior` asks for. Throws Error.
-void write_asked_rows(const std::filesystem::path& folder, const Identity& posterior,
-                      const AskedRows& asked);
 
 /// The asked-for rows among the names of a folder, those that begin first come first.
 std::vector<std::string> names_of_asked_rows(const std::set<std::string>& names);

@@ -12,16 +12,15 @@
 
 #include "core/target.h"
 #include "core/types.h"
-#include "pipeline/store/csv_line.h"
 #include "pipeline/store/h5.h"
+#include "pipeline/store/number_table.h"
 
 namespace npdr::pipeline {
 
 /// A dataset, of which rows are read as they are asked for. Not thread-safe.
 class DatasetFile {
  public:
-  /// `parameters`: the columns of theta that are read, in this order, empty: all; others are
-  /// ignored, and those that aren't there an InputError. `features`: the same of x, empty: all.
+  /// `parameters`: columns of theta that are read, in this order; empty: all. `features`: of x.
   /// Throws InputError that names the file and what is wrong with it: shapes, types, labels, a
   /// truncated file. A child process reads it first; no other thread may be using HDF5.
   DatasetFile(const std::filesystem::path& path, const std::vector<std::string>& parameters,
@@ -61,8 +60,7 @@ struct DatasetCounts {
 
 /// Writes a dataset of two CSV files with as many rows, as a whole or not at all: theta, whose
 /// first line names the parameters, and x, whose first line may name the features. Throws
-/// InputError with file and line, also for a theta that isn't finite. Memory doesn't grow with the
-/// number of rows.
+/// InputError with file and line. Memory doesn't grow with the number of rows.
 DatasetCounts import_dataset(const std::filesystem::path& theta, const std::filesystem::path& x,
                              const std::filesystem::path& output, const CsvFormat& format = {});
 

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "core/error.h"
-#include "pipeline/artefacts/described_artefact.h"
-
 namespace npdr::pipeline {
 namespace {
 
@@ -144,7 +141,6 @@ void describe(Layout f, Diagnosis& d) {
   if (auto group = f.group("failures", d.failures)) describe(*group, *d.failures);
   if (auto group = f.group("training", d.training)) describe(*group, *d.training, d.max_epochs);
 }
-template struct Artefact<Diagnosis>;
 
 void describe(Layout f, DiagnosisCheckpoint& checkpoint) {
   inference::CalibrationRanks& ranks = checkpoint.ranks;
@@ -158,7 +154,6 @@ void describe(Layout f, DiagnosisCheckpoint& checkpoint) {
   f("theta", ranks.theta, dims, "one sample of each posterior", kFinite);
   f("log_prob", ranks.log_prob, {kRow}, "density of the truths [nats]; may be NaN");
 }
-template struct Artefact<DiagnosisCheckpoint>;
 
 DiagnosisCheckpoint read_diagnosis_checkpoint(const ArtefactFile& artefact, const RowMatrix& theta,
                                               Index num_samples) {

@@ -75,8 +75,8 @@ struct DiagnosisCheckpoint {
 };
 void describe(Layout f, DiagnosisCheckpoint& checkpoint);
 
-/// Without any rank where there is no checkpoint. Throws InputError for one that is damaged, or not
-/// of simulations with these parameters (n, D), of whose posteriors `num_samples` are drawn.
+/// Without any rank where there is no checkpoint. Throws InputError for one that is damaged, or of
+/// another number of samples or parameters (n, D).
 DiagnosisCheckpoint read_diagnosis_checkpoint(const ArtefactFile& artefact, const RowMatrix& theta,
                                               Index num_samples);
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "pipeline/artefacts/described_artefact.h"
 #include "pipeline/config/study.h"
 
 namespace npdr::pipeline {
@@ -30,25 +29,19 @@ void describe(Layout f, PredictionScores& scores) {
   f.attribute("num_compared", scores.num_compared, "samples, of which that is a share");
 }
 
-struct References {
-  std::vector<std::string> names;
-  std::vector<double> log_prob;
-};
-
 void describe(Layout f, std::map<std::string, double>& log_prob) {
-  std::optional<References> references;
+  std::optional<std::vector<std::string>> names;
+  std::vector<double> values;
+  if (!log_prob.empty()) names.emplace();
   for (const auto& [name, value] : log_prob) {
-    if (!references) references.emplace();
-    references->names.push_back(name);
-    references->log_prob.push_back(value);
+    names->push_back(name);
+    values.push_back(value);
   }
-  auto group = f.group("reference", references);
+  auto group = f.group("reference", names);
   if (!group) return;
-  (*group)("name", references->names, {{"k"}}, "the study's references, where it has any");
-  (*group)("log_prob", references->log_prob, {{"k"}}, "posterior density of their parameters");
-  for (std::size_t i = 0; i < references->names.size(); ++i) {
-    log_prob[references->names[i]] = references->log_prob[i];
-  }
+  (*group)("name", *names, {{"k"}}, "the study's references, where it has any");
+  (*group)("log_prob", values, {{"k"}}, "posterior density of their parameters");
+  for (std::size_t i = 0; i < names->size(); ++i) log_prob[(*names)[i]] = values[i];
 }
 
 void describe(Layout f, inference::SamplerReport& report) {
@@ -80,33 +73,10 @@ void describe(Layout f, InferredNoise& noise) {
     {.unless_empty = true});
 }
 
-// The points' columns, and scores by point.
-struct Columns {
-  std::vector<std::string> names;
-  RowMatrix theta;
-  std::map<std::string, Vector> metrics;
-  std::vector<RolloutScores> scores;
-};
-
 void describe(Layout f, PriorPredictions& prior) {
   f.each(prior.metrics, metrics_of(f), {{"S", "row"}},
          "metrics of S draws of the prior; NaN where the rollouts failed");
   describe(f, prior.scores);
-}
-
-void describe(Layout f, Columns& c, const std::vector<inference::Marginal>& prior,
-              std::optional<PriorPredictions>& predictions) {
-  f("name", c.names, {{"n"}},
-    "`nominal`; the study's references; then `truth` for a simulated target, or `floor` for a "
-    "recording with `evaluate.floor`");
-  f("theta", c.theta, {kRow, kParameter}, "their parameters").columns(prior);
-  f.each(c.metrics, metrics_of(f), {kRow},
-         "their metrics, named as in an [evaluation](#evaluation); NaN where the rollouts failed");
-  c.scores.resize(std::max<std::size_t>(1, c.names.size()));
-  for (std::size_t i = 0; i < c.scores.size(); ++i) {
-    describe(f.group(fmt::format("point_{}", i + 1)), c.scores[i]);
-  }
-  if (auto group = f.group("prior", predictions)) describe(*group, *predictions);
 }
 
 }  // namespace
@@ -142,31 +112,39 @@ void describe(Layout f, Evaluation& e) {
   f("x", e.x, {kRow, kFeature}, "what a command gave at the samples, in place of the bands")
       .columns(e.features);
 }
-template struct Artefact<Evaluation>;
 
 void describe(Layout f, Baseline& baseline) {
-  const auto n = static_cast<Index>(baseline.points.size());
-  Columns columns{{}, RowMatrix(n, std::ssize(baseline.parameters)), {}, {}};
-  for (Index i = 0; i < n; ++i) {
-    const BaselinePoint& point = baseline.points[static_cast<std::size_t>(i)];
-    columns.names.push_back(point.name);
-    columns.theta.row(i) = point.theta.transpose();
+  std::vector<BaselinePoint>& points = baseline.points;
+  std::vector<std::string> names;
+  RowMatrix theta(std::ssize(points), std::ssize(baseline.parameters));
+  std::map<std::string, Vector> metrics;
+  for (const BaselinePoint& point : points) {
+    const Index i = std::ssize(names);
+    names.push_back(point.name);
+    theta.row(i) = point.theta.transpose();
     for (const auto& [metric, value] : point.metrics) {
-      columns.metrics.try_emplace(metric, Vector(n)).first->second(i) = value;
+      metrics.try_emplace(metric, Vector(std::ssize(points))).first->second(i) = value;
     }
-    columns.scores.push_back(point.scores);
   }
-  describe(f, columns, baseline.parameters, baseline.prior);
+  f("name", names, {{"n"}},
+    "`nominal`; the study's references; then `truth` for a simulated target, or `floor` for a "
+    "recording with `evaluate.floor`");
+  f("theta", theta, {kRow, kParameter}, "their parameters").columns(baseline.parameters);
+  f.each(metrics, metrics_of(f), {kRow},
+         "their metrics, named as in an [evaluation](#evaluation); NaN where the rollouts failed");
+  points.resize(std::max<std::size_t>(1, names.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    describe(f.group(fmt::format("point_{}", i + 1)), points[i].scores);
+  }
+  points.resize(names.size());
+  if (auto group = f.group("prior", baseline.prior)) describe(*group, *baseline.prior);
   if (!f.reads()) return;
-  for (Index i = 0; i < columns.theta.rows(); ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    baseline.points.push_back(
-        {columns.names[at], columns.theta.row(i).transpose(), {}, columns.scores[at]});
-    for (const auto& [metric, values] : columns.metrics) {
-      baseline.points.back().metrics[metric] = values(i);
-    }
+  for (Index i = 0; i < theta.rows(); ++i) {
+    BaselinePoint& point = points[static_cast<std::size_t>(i)];
+    point.name = names[static_cast<std::size_t>(i)];
+    point.theta = theta.row(i).transpose();
+    for (const auto& [metric, values] : metrics) point.metrics[metric] = values(i);
   }
 }
-template struct Artefact<Baseline>;
 
 }  // namespace npdr::pipeline

@@ -10,7 +10,6 @@
 #include "analysis/quantiles.h"
 #include "inference/posterior.h"
 #include "inference/prior.h"
-#include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
@@ -29,9 +28,8 @@ struct PredictionScores {
   Vector noisy_crps;         ///< (C); empty: there is no noise
   RowMatrix noisy_coverage;  ///< (L, C)
   Vector log_score;          ///< (C) [nats]; empty: a channel has no noise
-  /// Share of num_compared samples that would, with noise where there is any, be within bands of
-  /// kJudgedBand as seldom as what was recorded (analysis::compare_coverage): 0 says that
-  /// predictions are too narrow.
+  /// Share of num_compared samples that would be within bands of kJudgedBand as seldom as what was
+  /// recorded (analysis::compare_coverage); 0: predictions are too narrow.
   double share_as_seldom_within = 1.0;
   Index num_compared = 0;
 };

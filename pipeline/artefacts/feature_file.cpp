@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "core/error.h"
-#include "core/feature_names.h"
 #include "core/text.h"
 #include "pipeline/artefacts/outside_file.h"
 #include "pipeline/store/column_labels.h"
@@ -22,16 +21,10 @@ struct FeatureColumns {
   std::vector<Index> columns;
 };
 
-// Content that a file must have.
-struct Expected {
-  std::vector<Channel> features;  // empty: whatever there is
-  FeatureDemands demands;
-};
-
 FeatureColumns columns_of(const std::string& where, Index num_columns,
-                          const std::vector<Channel>& named, const Expected& wanted) {
+                          const std::vector<Channel>& named, const FeatureDemands& wanted) {
   const std::vector<Channel>& expected = wanted.features;
-  if (wanted.demands.names_from == NamesFrom::observation && named.empty() && expected.size() > 1) {
+  if (wanted.names_from == NamesFrom::observation && named.empty() && expected.size() > 1) {
     throw InputError(fmt::format(
         "{}: its columns have no names, must be named {}, as those of x_o, in any order; or say "
         "their order with simulator.features",
@@ -49,10 +42,11 @@ FeatureColumns columns_of(const std::string& where, Index num_columns,
   return found;
 }
 
-FeatureRows read_csv(const std::filesystem::path& path, Index num_rows, const Expected& expected) {
+FeatureRows read_csv(const std::filesystem::path& path, Index num_rows,
+                     const FeatureDemands& demands) {
   NumberTable table(path);
   const FeatureColumns found =
-      columns_of(table.name(), table.num_columns(), table.columns(), expected);
+      columns_of(table.name(), table.num_columns(), table.columns(), demands);
   FeatureRows rows{found.features, RowMatrix(num_rows, table.num_columns())};
   std::vector<double> row(static_cast<std::size_t>(table.num_columns()));
   Index count = 0;
@@ -68,7 +62,7 @@ FeatureRows read_csv(const std::filesystem::path& path, Index num_rows, const Ex
         fmt::format("{}: has {}, must have {}", table.name(), counted(count, "row"), num_rows));
   }
   // The rest of a number that lacks digits is another number.
-  if (expected.demands.needs_line_ends && !table.has_line_end()) {
+  if (demands.needs_line_ends && !table.has_line_end()) {
     throw InputError(table.name() +
                      ": its last line has no end, as if the file were cut; end each line");
   }
@@ -76,7 +70,7 @@ FeatureRows read_csv(const std::filesystem::path& path, Index num_rows, const Ex
   return rows;
 }
 
-FeatureRows read_hdf5(const h5::File& file, Index num_rows, const Expected& expected) {
+FeatureRows read_hdf5(const h5::File& file, Index num_rows, const FeatureDemands& demands) {
   const h5::Dataset x = own_dataset(file, "x");
   const bool is_vector = x.shape().size() == 1 && num_rows == 1;
   const Index width = is_vector ? x.num_rows() : x.row_size();
@@ -84,7 +78,7 @@ FeatureRows read_hdf5(const h5::File& file, Index num_rows, const Expected& expe
   if (width < 1) throw InputError(x.where() + " is empty");
   x.require_readable(h5::ElementType::f64);
   const std::vector<Channel> named = column_channels(x, width);
-  const FeatureColumns found = columns_of(x.where(), width, named, expected);
+  const FeatureColumns found = columns_of(x.where(), width, named, demands);
   FeatureRows rows{found.features, RowMatrix(num_rows, width)};
   x.read_rows<double>(0, x.num_rows(), {rows.x.data(), static_cast<std::size_t>(rows.x.size())});
   rows.x = RowMatrix(rows.x(Eigen::all, found.columns));
@@ -94,11 +88,10 @@ FeatureRows read_hdf5(const h5::File& file, Index num_rows, const Expected& expe
 }  // namespace
 
 FeatureRows read_features(const std::filesystem::path& path, FileFormat format, Index num_rows,
-                          const std::vector<Channel>& expected, const FeatureDemands& demands) {
-  const Expected wanted{expected, demands};
-  if (format == FileFormat::csv) return read_csv(path, num_rows, wanted);
-  return read_from_outside(path,
-                           [&](const h5::File& file) { return read_hdf5(file, num_rows, wanted); });
+                          const FeatureDemands& demands) {
+  if (format == FileFormat::csv) return read_csv(path, num_rows, demands);
+  return read_from_outside(
+      path, [&](const h5::File& file) { return read_hdf5(file, num_rows, demands); });
 }
 
 Target observation_target(const std::vector<Channel>& features, const Vector& x_o,
@@ -116,7 +109,7 @@ Target observation_target(const std::vector<Channel>& features, const Vector& x_
 
 Target read_observation(const std::filesystem::path& path, const std::vector<Channel>& expected) {
   const FileFormat format = path.extension() == ".csv" ? FileFormat::csv : FileFormat::hdf5;
-  const FeatureRows rows = read_features(path, format, 1, expected);
+  const FeatureRows rows = read_features(path, format, 1, {.features = expected});
   Target target =
       observation_target(rows.features, rows.x.row(0).transpose(), path.filename().string());
   for (Index f = 0; f < rows.x.cols(); ++f) {

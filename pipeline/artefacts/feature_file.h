@@ -12,7 +12,7 @@
 #include "core/finding.h"
 #include "core/target.h"
 #include "core/types.h"
-#include "pipeline/store/file_format.h"
+#include "pipeline/store/number_table.h"
 
 namespace npdr::pipeline {
 
@@ -21,21 +21,21 @@ struct FeatureRows {
   RowMatrix x;                    ///< (n, F), NaN and infinities as they stand there
 };
 
-/// Demands on a file beyond its rows and columns.
+/// Content that a file must have.
 struct FeatureDemands {
+  std::vector<Channel> features;            ///< empty: whatever there is
   NamesFrom names_from = NamesFrom::study;  ///< observation: several columns need names
   bool needs_line_ends = false;  ///< of CSV: of its last line, too, which a cut file lacks
 };
 
-/// Reads exactly `num_rows` rows of a file. With `expected` features there must be a column of
-/// each; where the file names its columns they may be in any order. Throws InputError that names
-/// the file and what is wrong with it. A child process reads HDF5 first, so no other thread may be
-/// using it.
+/// Reads exactly `num_rows` rows of a file. Columns with names may be in any order. Throws
+/// InputError that names the file and what is wrong with it. A child process reads HDF5 first, so
+/// no other thread may be using it.
 FeatureRows read_features(const std::filesystem::path& path, FileFormat format, Index num_rows,
-                          const std::vector<Channel>& expected, const FeatureDemands& demands = {});
+                          const FeatureDemands& demands);
 
-/// x_o: the only row of a file, CSV by its extension .csv or else HDF5, as a target of one rollout
-/// of one step, whose state after it is x_o. Throws InputError, also for NaN and infinities.
+/// x_o: the only row of a file, CSV by its extension or HDF5, as the state after the only step of a
+/// rollout. Throws InputError, also for NaN and infinities.
 Target read_observation(const std::filesystem::path& path, const std::vector<Channel>& expected);
 
 /// The same for x_o (F) that is there already; `source` says where it comes from.

@@ -94,10 +94,8 @@ void Layout::list(const char* type, const Dims& dims, const char* meaning) {
 void Layout::create(const std::string& name, h5::ElementType type, const h5::Shape& shape,
                     const Dims& dims, const h5::Storage& storage,
                     const std::vector<h5::VirtualSource>& sources) {
-  h5::Storage how = storage;
-  how.chunked = type != h5::ElementType::text;
   dataset_ = std::make_shared<h5::Dataset>(
-      sources.empty() ? out_->create_dataset(name, type, shape, how)
+      sources.empty() ? out_->create_dataset(name, type, shape, storage)
                       : out_->create_virtual_dataset(name, type, shape, sources));
   std::vector<std::string> labels;
   for (const Dim& dim : dims) labels.emplace_back(dim.label);

@@ -1,9 +1,9 @@
 /// The layout of every artefact, described once. A function describe(Layout, value) says of all
 /// that stands in a file, in the order in which it is read, its name, its place in memory, what its
-/// dimensions count and what it means; the Layout writes it, reads it, or lists it for the tables
-/// of docs/file-formats.md, so that none of them can forget anything.
+/// dimensions count and what it means; the Layout writes, reads or lists it (docs/file-formats.md).
 #pragma once
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,9 +13,65 @@
 
 #include "core/target.h"
 #include "inference/prior.h"
-#include "pipeline/artefacts/array.h"
+#include "pipeline/store/h5.h"
 
 namespace npdr::pipeline {
+
+/// Values as they stand in datasets: arrays, row-major.
+template <class T>
+struct Array {
+  using Element = T;
+  h5::Shape shape;
+  std::vector<T> values;
+};
+
+template <class T, int Rows, int Cols, int Order>
+Array<T> pack(const Eigen::Matrix<T, Rows, Cols, Order>& matrix) {
+  Array<T> array{{matrix.rows()}, std::vector<T>(static_cast<std::size_t>(matrix.size()))};
+  if (Cols != 1) array.shape.push_back(matrix.cols());
+  RowMatrixX<T>::Map(array.values.data(), matrix.rows(), matrix.cols()) = matrix;
+  return array;
+}
+template <class T>
+Array<T> pack(const std::vector<T>& values) {
+  return {{static_cast<Index>(values.size())}, values};
+}
+inline Array<double> pack(double value) { return {{}, {value}}; }
+/// Matrices of the same shape, in single precision.
+Array<float> pack(const std::vector<RowMatrix>& matrices);
+
+/// The inverse; dimensions before the last are one in a matrix.
+template <class T, int Rows, int Cols, int Order>
+void unpack(const Array<T>& array, Eigen::Matrix<T, Rows, Cols, Order>& matrix) {
+  const Index cols = Cols == 1 ? 1 : array.shape.back();
+  const Index rows = cols == 0 ? array.shape.front() : std::ssize(array.values) / cols;
+  matrix = RowMatrixX<T>::Map(array.values.data(), rows, cols);
+}
+template <class T>
+void unpack(const Array<T>& array, std::vector<T>& values) {
+  values = array.values;
+}
+inline void unpack(const Array<double>& array, double& value) { value = array.values.front(); }
+void unpack(const Array<float>& array, std::vector<RowMatrix>& matrices);
+
+template <class V>
+using ElementOf = typename decltype(pack(std::declval<V>()))::Element;
+
+/// Numbers that count are an Index in attributes.
+template <class V, class Plain = std::remove_cvref_t<V>>
+using StoredAttribute = std::conditional_t<std::is_integral_v<Plain>, Index, Plain>;
+
+template <class T>
+const char* element_name() {
+  constexpr std::array names = {"float32", "float64", "uint8", "int64", "texts"};
+  return names.at(static_cast<std::size_t>(h5::element_type<T>()));
+}
+template <class V>
+const char* attribute_name() {
+  if (std::is_same_v<V, std::string>) return "text";
+  if (std::is_same_v<V, std::vector<std::string>>) return "texts";
+  return std::is_same_v<V, Index> ? "int64" : "float64";
+}
 
 /// A dimension of a dataset.
 struct Dim {
@@ -37,7 +93,7 @@ struct DatasetOptions {
 };
 inline const DatasetOptions kFinite{.allowed = h5::Values::finite};
 /// Hardly compresses, so the fastest level is the best one.
-inline constexpr h5::Storage kFastest{.chunked = true, .deflate = 1, .rows_per_chunk = 0};
+inline constexpr h5::Storage kFastest{.chunked = true, .deflate = 1};
 
 /// A row of a table: the dataset `a/b`, or the attribute `a@b` of a.
 struct LayoutRow {
@@ -73,11 +129,12 @@ class Layout {
       if (options.unless_empty && array.values.empty()) return missing();
       dataset.create(name, h5::element_type<T>(),
                      options.shape.empty() ? array.shape : options.shape, dims, options.storage);
-      write(*dataset.dataset_, array);
+      dataset.dataset_->write(array.values);
     } else if (in_ != nullptr) {
       if (options.unless_empty && !in_->has(name)) return missing();
       dataset.open(name, dims);
-      unpack(read<T>(*dataset.dataset_, options.allowed), value);
+      const h5::Dataset& stored = *dataset.dataset_;
+      unpack(Array<T>{stored.shape(), stored.template read<T>(options.allowed)}, value);
     }
     return dataset;
   }
@@ -176,12 +233,9 @@ class Layout {
 
 /// A part of a file that may be missing, by describe(Layout, std::optional<T>&). Throws Error.
 template <class T>
-void write_part(h5::Group& file, std::optional<T> part) {
+void write_part(h5::Group& file, const T& value) {
+  std::optional part(value);  // of an optional: a copy
   describe(Layout::writer(file), part);
-}
-template <class T>
-void write_part(h5::Group& file, const T& part) {
-  write_part(file, std::optional<T>(part));
 }
 /// Throws InputError.
 template <class T>
@@ -190,5 +244,22 @@ std::optional<T> read_part(const h5::Group& file) {
   describe(Layout::reader(file), part);
   return part;
 }
+
+/// Each describes artefacts, or parts of them, that aren't read and written as a whole (schemas.h),
+/// and is defined beside its layout.
+void list_observation(Layout f);
+void list_target(Layout f);
+void list_simulation(Layout f);
+void list_posterior(Layout f);
+void list_flow(Layout f);
+void list_mixture(Layout f);
+void list_ratio_network(Layout f);
+void list_particles(Layout f);
+void list_certificate(Layout f);
+
+std::vector<std::string> layout_names();
+
+/// Markdown. Throws InputError for an unknown name.
+std::string layout_table(const std::string& name);
 
 }  // namespace npdr::pipeline

@@ -1,4 +1,3 @@
-#include "pipeline/artefacts/layout_tables.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +5,13 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/asked_rows_file.h"
+#include "pipeline/artefacts/diagnosis_file.h"
+#include "pipeline/artefacts/evaluation_file.h"
+#include "pipeline/artefacts/network_file.h"
+#include "pipeline/artefacts/policy_file.h"
+#include "pipeline/artefacts/refinement_file.h"
+#include "pipeline/artefacts/simulation_file.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -5,11 +5,8 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/error.h"
 #include "core/text.h"
 #include "inference/ensemble.h"
-#include "pipeline/artefacts/described_artefact.h"
-#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/config/study_fields.h"
 
 namespace npdr::pipeline {
@@ -148,6 +145,21 @@ void describe(Layout f, inference::TrainingState& state) {
   f("validation_loss", state.validation_loss, epochs, "as in the posterior");
 }
 
+// Throws InputError for parts of a transform that don't go together.
+void require_transform(const std::string& where, const inference::FeatureTransform& transform) {
+  if (transform.center.size() != transform.inverse_scale.size()) {
+    throw InputError(where + ": a center without an inverse_scale, or the other way round");
+  }
+  if ((transform.inverse_scale.array() < 0.0f).any()) {
+    throw InputError(where + ": an inverse_scale below 0; must be 0 or more");
+  }
+  const Index compressed = (transform.inverse_scale.array() > 0.0f).count();
+  if (transform.num_copies() != 0 && transform.num_copies() != compressed) {
+    throw InputError(fmt::format("{}: {} copies of features, must be 0 or {}", where,
+                                 transform.num_copies(), compressed));
+  }
+}
+
 }  // namespace
 
 std::string group_of_network(Index m) { return fmt::format("network_{}", m + 1); }
@@ -187,6 +199,63 @@ void describe_layers(Layout f, inference::NetworkParts& parts) {
   parts.parameters = inference::joined(weights);
 }
 
+void describe(Layout f, inference::FeatureTransform& transform) {
+  // That of a likelihood has components of its own number, and no copies.
+  f.forget("k");
+  f.forget("G");
+  Layout group = f.group("transform");
+  group("center", transform.center, {kFeature},
+        "of features that span orders of magnitude; missing when none does",
+        {.allowed = h5::Values::finite, .unless_empty = true});
+  group("inverse_scale", transform.inverse_scale, {kFeature},
+        "such an x becomes asinh((x - center) inverse_scale) before all that follows; 0: x stays",
+        {.allowed = h5::Values::finite, .unless_empty = true});
+  const bool has_none = f.reads() && transform.center.size() == 0;
+  const Dim column = has_none ? kFeature : Dim{"G", "feature, then copies"};
+  group("mean", transform.mean, {column},
+        "that is subtracted from features, and from copies of those with an inverse_scale above 0 "
+        "as they were, if there are G - F of them",
+        kFinite);
+  group("inverse_deviation", transform.inverse_deviation, {column},
+        "that they are multiplied by; 0: the feature doesn't vary and is left out", kFinite);
+  group("basis", transform.basis, {column, {"k", "component"}},
+        "principal components; missing when there are none",
+        {.allowed = h5::Values::finite, .unless_empty = true, .storage = kFastest});
+  if (f.reads()) return require_transform(group.where(), transform);
+  group.attribute(
+      "farthest", double{inference::FeatureTransform::kFarthest},
+      "beyond +-f of it a standardized feature s becomes +-(f + log(+-s / f)), before the basis");
+}
+
+void describe(Layout f, std::optional<inference::UsualFeatures>& usual) {
+  auto group = f.group("usual", usual);
+  if (!group) return;
+  inference::UsualFeatures& u = *usual;
+  describe(*group, u.transform);
+  (*group)("known", u.known, {{"m", "simulation"}, {"k", "component"}},
+           "z of simulations that an x is compared with", kFinite);
+  (*group)("distances", u.distances, {{"n", "simulation"}, {"3", "distance"}},
+           "of others: length of z, residual beyond the components, to the nearest of `known`",
+           kFinite);
+  (*group)("lowest", u.lowest, {kFeature}, "value of each feature in all of these simulations",
+           kFinite);
+  (*group)("highest", u.highest, {kFeature}, "the same", kFinite);
+  if (!f.reads()) return;
+  const bool fits = u.transform.basis.cols() == u.known.cols();
+  if (fits && u.known.size() > 0 && u.distances.rows() > 0) return;
+  throw InputError(group->where() + ": nothing to compare an x with; rerun stage 'infer'");
+}
+
+std::optional<inference::UsualFeatures> read_usual_features(const ArtefactFile& posterior) {
+  const h5::File file = open_artefact(posterior, kPosteriorSchema);
+  Layout f = Layout::reader(file);
+  VectorF x_o;
+  f("x_o", x_o, {kFeature}, "", kFinite);
+  std::optional<inference::UsualFeatures> usual;
+  describe(f, usual);
+  return usual;
+}
+
 void list_flow(Layout f) {
   list_layers(f, inference::NetworkRole::posterior,
               {.kind = inference::EstimatorKind::maf, .num_transforms = 1},
@@ -219,6 +288,5 @@ void describe(Layout f, TrainingCheckpoint& checkpoint) {
     if (is_there) describe(f.group(group), state);
   }
 }
-template struct Artefact<TrainingCheckpoint>;
 
 }  // namespace npdr::pipeline

@@ -2,12 +2,13 @@
 /// and checkpoints, what their interrupted training goes on from.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "inference/diagnostics/out_of_distribution.h"
 #include "inference/network_posterior.h"
 #include "inference/training/trainer.h"
-#include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/store/hostile_json.h"
@@ -36,6 +37,15 @@ std::vector<Index> networks_there(const Layout& f);
 /// The layers of the networks of such an architecture, prior and transform: their parameters.
 /// Throws InputError for a file that doesn't hold as many weights as its architecture has.
 void describe_layers(Layout f, inference::NetworkParts& parts);
+
+/// The group `transform`. Throws InputError for parts that don't go together.
+void describe(Layout f, inference::FeatureTransform& transform);
+
+/// What x of a posterior's simulations usually is: the group `usual`, missing of fewer than
+/// inference::kFewestSimulations.
+void describe(Layout f, std::optional<inference::UsualFeatures>& usual);
+/// Throws InputError.
+std::optional<inference::UsualFeatures> read_usual_features(const ArtefactFile& posterior);
 
 /// States that interrupted trainings go on from.
 struct TrainingCheckpoint {

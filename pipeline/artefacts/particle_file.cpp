@@ -4,7 +4,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
-#include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/artefacts/layout.h"
 
 namespace npdr::pipeline {
 namespace {

@@ -1,7 +1,5 @@
 #include "pipeline/artefacts/policy_file.h"
 
-#include "pipeline/artefacts/described_artefact.h"
-
 namespace npdr::pipeline {
 namespace {
 
@@ -87,7 +85,6 @@ void describe(Layout f, FoundPolicy& found) {
       .columns(found.parameters);
   describe(f, found.history);
 }
-template struct Artefact<FoundPolicy>;
 
 void describe(Layout f, PolicyCheckpoint& checkpoint) {
   Index iteration = checkpoint.history.num_rows();
@@ -95,7 +92,6 @@ void describe(Layout f, PolicyCheckpoint& checkpoint) {
   if (!f.lists()) describe(f, checkpoint.history);  // as in the policy
   describe(f, checkpoint.optimizer);
 }
-template struct Artefact<PolicyCheckpoint>;
 
 void describe(Layout f, PolicyTest& test) {
   f.attribute("success_means", test.info.success, "when a rollout is one, in words");
@@ -108,6 +104,5 @@ void describe(Layout f, PolicyTest& test) {
   }
   if (auto group = f.group("grid", test.grid)) describe(*group, *test.grid, test.axes);
 }
-template struct Artefact<PolicyTest>;
 
 }  // namespace npdr::pipeline

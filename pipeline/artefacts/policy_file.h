@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "inference/policy_search/policy_optimizer.h"
-#include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/study.h"
 #include "sim/policy_evaluation.h"

@@ -9,12 +9,9 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "inference/pooled_posterior.h"
-#include "pipeline/artefacts/layout_tables.h"
 #include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/particle_file.h"
-#include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/artefacts/usual_features_file.h"
 #include "pipeline/config/study_fields.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/store/hostile_json.h"
@@ -139,33 +136,31 @@ void describe_embedding(Layout f, const inference::EmbeddingConfig& embedding) {
   f.attribute("embedding", to_json(embedding).dump(), "JSON: the method's table `embedding`");
 }
 
-// Networks have epochs of their own number.
-void describe(Layout f, TrainingLosses& losses) {
-  f.forget("epochs");
+// Of each network.
+void describe(Layout f, std::vector<TrainingLosses>& losses) {
+  Layout group = f.group("training");
+  const auto there = f.reads() ? networks_there(group) : std::vector<Index>();
+  if (f.reads()) losses.resize(std::max<std::size_t>(1, there.size()));
   const Dims epochs = {{"epochs", "epoch"}};
-  f("training_loss", losses.training, epochs, "mean of each epoch of this round's training [nats]");
-  f("validation_loss", losses.validation, epochs, "the same of the validation rows");
+  for (std::size_t m = 0; m < losses.size(); ++m) {
+    TrainingLosses& own = losses[m];
+    f.forget("epochs");
+    Layout network =
+        group.group(group_of_network(there.empty() ? static_cast<Index>(m) : there[m]));
+    network("training_loss", own.training, epochs,
+            "mean of each epoch of this round's training [nats]");
+    network("validation_loss", own.validation, epochs, "the same of the validation rows");
+  }
 }
 
 void write_losses(Layout f, std::span<const inference::TrainingState> trainings) {
-  Layout group = f.group("training");
-  for (Index m = 0; m < std::ssize(trainings); ++m) {
-    const inference::TrainingState& state = trainings[static_cast<std::size_t>(m)];
-    TrainingLosses losses{
-        Vector::Map(state.training_loss.data(), std::ssize(state.training_loss)),
-        Vector::Map(state.validation_loss.data(), std::ssize(state.validation_loss))};
-    describe(group.group(group_of_network(m)), losses);
-  }
-}
-
-std::vector<TrainingLosses> read_losses(Layout f) {
-  Layout group = f.group("training");
   std::vector<TrainingLosses> losses;
-  for (const Index m : networks_there(group)) {
-    describe(group.group(group_of_network(m)), losses.emplace_back());
+  for (const inference::TrainingState& state : trainings) {
+    losses.push_back(
+        {Vector::Map(state.training_loss.data(), std::ssize(state.training_loss)),
+         Vector::Map(state.validation_loss.data(), std::ssize(state.validation_loss))});
   }
-  if (losses.empty()) describe(group.group(group_of_network(0)), losses.emplace_back());
-  return losses;
+  describe(f, losses);
 }
 
 inference::NetworkParts network_parts(const std::vector<inference::Marginal>& prior) {
@@ -201,21 +196,6 @@ Observed read_observed(const std::filesystem::path& posterior) {
   Observed observed;
   describe(Layout::reader(file), x, observed);
   return observed;
-}
-
-// Throws InputError for parts of a transform that don't go together.
-void require_transform(const std::string& where, const inference::FeatureTransform& transform) {
-  if (transform.center.size() != transform.inverse_scale.size()) {
-    throw InputError(where + ": a center without an inverse_scale, or the other way round");
-  }
-  if ((transform.inverse_scale.array() < 0.0f).any()) {
-    throw InputError(where + ": an inverse_scale below 0; must be 0 or more");
-  }
-  const Index compressed = (transform.inverse_scale.array() > 0.0f).count();
-  if (transform.num_copies() != 0 && transform.num_copies() != compressed) {
-    throw InputError(fmt::format("{}: {} copies of features, must be 0 or {}", where,
-                                 transform.num_copies(), compressed));
-  }
 }
 
 }  // namespace
@@ -286,34 +266,6 @@ void describe(Layout f, RowCounts& rows) {
   f.attribute("num_failed", rows.failed, "those that failed: left out, or of likelihood 0");
 }
 
-void describe(Layout f, inference::FeatureTransform& transform) {
-  // That of a likelihood has components of its own number, and no copies.
-  f.forget("k");
-  f.forget("G");
-  Layout group = f.group("transform");
-  group("center", transform.center, {kFeature},
-        "of features that span orders of magnitude; missing when none does",
-        {.allowed = h5::Values::finite, .unless_empty = true});
-  group("inverse_scale", transform.inverse_scale, {kFeature},
-        "such an x becomes asinh((x - center) inverse_scale) before all that follows; 0: x stays",
-        {.allowed = h5::Values::finite, .unless_empty = true});
-  const bool has_none = f.reads() && transform.center.size() == 0;
-  const Dim column = has_none ? kFeature : Dim{"G", "feature, then copies"};
-  group("mean", transform.mean, {column},
-        "that is subtracted from features, and from copies of those with an inverse_scale above 0 "
-        "as they were, if there are G - F of them",
-        kFinite);
-  group("inverse_deviation", transform.inverse_deviation, {column},
-        "that they are multiplied by; 0: the feature doesn't vary and is left out", kFinite);
-  group("basis", transform.basis, {column, {"k", "component"}},
-        "principal components; missing when there are none",
-        {.allowed = h5::Values::finite, .unless_empty = true, .storage = kFastest});
-  if (f.reads()) return require_transform(group.where(), transform);
-  group.attribute(
-      "farthest", double{inference::FeatureTransform::kFarthest},
-      "beyond +-f of it a standardized feature s becomes +-(f + log(+-s / f)), before the basis");
-}
-
 std::unique_ptr<inference::Posterior> read_posterior(const ArtefactFile& artefact) {
   const h5::File file = open_artefact(artefact, kPosteriorSchema);
   if (holds_particles(file)) return read_particles(file);
@@ -366,9 +318,9 @@ PosteriorNotes read_posterior_notes(const ArtefactFile& artefact) {
   describe(f, notes.rows);
   if (auto group = f.group("likelihood", notes.pool)) {
     describe(*group, *notes.pool);
-    notes.likelihood_losses = read_losses(*group);
+    describe(*group, notes.likelihood_losses);
   }
-  if (!holds_particles(file)) notes.losses = read_losses(f);
+  if (!holds_particles(file)) describe(f, notes.losses);
   return notes;
 }
 
@@ -377,19 +329,19 @@ void list_posterior(Layout f) {
   inference::NetworkParts parts = network_parts(prior);
   Observed observed;
   RowCounts rows;
-  TrainingLosses losses;
+  std::vector<TrainingLosses> losses(1);
   describe(f, prior);
   describe(f, parts, observed);
   describe_mixture(f, {Vector::Zero(1), {Vector::Zero(1)}, {Eigen::MatrixXd::Ones(1, 1)}});
   PoolNotes pool;
   inference::PooledLikelihood likelihood;
   describe(f.group("likelihood"), pool, likelihood);
-  describe(f.group("likelihood").group("training").group(group_of_network(0)), losses);
+  describe(f.group("likelihood"), losses);
   describe_embedding(f, {});
   describe(f, rows);
   std::optional<inference::UsualFeatures> usual;
   describe(f, usual);
-  describe(f.group("training").group(group_of_network(0)), losses);
+  describe(f, losses);
 }
 
 }  // namespace npdr::pipeline

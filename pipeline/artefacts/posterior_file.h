@@ -6,8 +6,8 @@
 #include "inference/linear_regression/bayesian_linear_regression.h"
 #include "inference/samplers/importance_sampler.h"
 #include "pipeline/artefacts/layout.h"
-#include "pipeline/artefacts/power_scores.h"
 #include "pipeline/artefacts/recording.h"
+#include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/config/study.h"
 #include "pipeline/store/artefact.h"
 #include "sim/error_memory.h"
@@ -39,22 +39,20 @@ std::unique_ptr<inference::Posterior> read_posterior(const ArtefactFile& artefac
 /// for its own observation alone.
 std::unique_ptr<inference::NetworkPosterior> read_network_posterior(const ArtefactFile& artefact);
 
-/// Parts that posteriors of all kinds share (layout.h): attributes, and the group `transform`.
+/// Attributes that posteriors of all kinds share.
 void describe(Layout f, std::vector<inference::Marginal>& prior);
 void describe(Layout f, RowCounts& rows);
-void describe(Layout f, inference::FeatureTransform& transform);
 
 /// The channels of the rollouts that x_o was made of. Throws InputError.
 Channels observed_channels(const std::filesystem::path& posterior);
 
-/// Throws InputError unless `found`, with the observed_channels(), could be observed in place of
-/// what the posterior in the file was trained for: the same dt (to 0.1 %), numbers of rollouts and
-/// steps. `where` (a file) begins the message.
+/// Throws InputError, which begins with `where`, unless `found` has the dt (to 0.1 %) and numbers
+/// of rollouts and steps of what the posterior in the file was trained for.
 void require_like_observation(const std::string& where, const Target& found,
                               const std::filesystem::path& posterior);
 
-/// Samples of a regression's weights: how many there are, give parameters that the simulator's
-/// limits exclude, and lie outside of the prior.
+/// Samples of a regression's weights: of all, that give impossible parameters, outside of the
+/// prior.
 struct RegressionCounts {
   Index samples = 0;
   Index non_physical = 0;

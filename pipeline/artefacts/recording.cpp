@@ -8,12 +8,11 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pipeline/artefacts/feature_file.h"
-#include "pipeline/artefacts/layout_tables.h"
+#include "pipeline/artefacts/layout.h"
 #include "pipeline/artefacts/outside_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/store/artefact.h"
 #include "pipeline/store/column_labels.h"
-#include "pipeline/store/h5.h"
 #include "pipeline/store/hash.h"
 
 namespace npdr::pipeline {
@@ -70,7 +69,7 @@ std::vector<std::string> read_names(const h5::File& file, Index num_rollouts) {
   }
   const h5::Dataset dataset = file.dataset("rollout");
   dataset.require_shape({num_rollouts});
-  return dataset.read_texts();
+  return dataset.read<std::string>();
 }
 
 // The columns of the `expected` channels among those that were found; all, when nothing is
@@ -152,6 +151,25 @@ void read_numbers(const h5::File& file, Target& target) {
 
 }  // namespace
 
+Channels channels_of(const sim::SimulatorInfo& info) {
+  return {info.state_channels, info.action_channels};
+}
+
+void check_channels(const std::string& where, const std::vector<Channel>& found,
+                    const std::vector<Channel>& expected) {
+  if (found == expected) return;
+  throw InputError(where + " are " + to_string(found) + ", must be " + to_string(expected) +
+                   "; rename, reorder or convert its columns");
+}
+
+std::string to_string(const std::vector<Channel>& channels) {
+  std::vector<std::string> parts;
+  for (const Channel& channel : channels) {
+    parts.push_back(channel.label + " [" + channel.unit + "]");
+  }
+  return parts.empty() ? "none" : join(parts);
+}
+
 Recording read_rollouts(const h5::File& file, const std::optional<Channels>& expected) {
   const h5::Dataset states = own_dataset(file, "states");
   const h5::Dataset actions = own_dataset(file, "actions");
@@ -190,12 +208,8 @@ Recording read_rollouts(const h5::File& file, const std::optional<Channels>& exp
   return {std::move(target), {found_states, found_actions}};
 }
 
-Target read_recording(const std::filesystem::path& path, const std::optional<Channels>& expected) {
-  return read_whole_recording(path, expected).target;
-}
-
-Recording read_whole_recording(const std::filesystem::path& path,
-                               const std::optional<Channels>& expected) {
+Recording read_recording(const std::filesystem::path& path,
+                         const std::optional<Channels>& expected) {
   return read_from_outside(path,
                            [&](const h5::File& file) { return read_rollouts(file, expected); });
 }
@@ -217,7 +231,7 @@ void write_target(h5::File& file, const Target& target) {
   write_values(file, target, "actions", &Rollout::actions, target.action_channels);
   std::vector<std::string> names;
   for (const Rollout& rollout : target.rollouts) names.push_back(rollout.name);
-  file.write_texts("rollout", names);
+  file.write("rollout", names);
 }
 
 std::string content_hash(const Target& target) {
@@ -254,7 +268,7 @@ void list_observation(Layout f) { describe(f, RowMatrix(), Target()); }
 Target read_target_artefact(const ArtefactFile& target) {
   const h5::File file = open_artefact(target, kTargetSchema);
   if (!file.has("x")) {
-    Target rollouts = read_rollouts(file).target;
+    Target rollouts = read_rollouts(file);
     read_numbers(file, rollouts);
     return rollouts;
   }

@@ -11,41 +11,52 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/target.h"
-#include "pipeline/artefacts/channels.h"
 #include "pipeline/store/h5.h"
+#include "sim/simulator.h"
 
 namespace npdr::pipeline {
 
 struct ArtefactFile;
 
-/// Reads a recording. With `expected` channels (those of the simulator), these are picked by label
-/// and unit, in their order; further channels are left out, and one that is missing is an error.
-/// Rollouts without names are called "0", "1", ... Throws InputError that names the file and what
-/// is wrong with it: shapes, types, channels, dt, NaN (with rollout, channel and step), a truncated
-/// file. A child process reads it first, so that a file that crashes HDF5 is an InputError, too; no
-/// other thread may be using HDF5.
-Target read_recording(const std::filesystem::path& path,
-                      const std::optional<Channels>& expected = std::nullopt);
+/// States and actions, in the order of their columns.
+struct Channels {
+  std::vector<Channel> states;
+  std::vector<Channel> actions;
+};
+
+Channels channels_of(const sim::SimulatorInfo& info);
+
+/// Throws InputError, which begins with `where`, unless `found` are the `expected` channels in
+/// order.
+void check_channels(const std::string& where, const std::vector<Channel>& found,
+                    const std::vector<Channel>& expected);
+
+/// "theta [rad], theta_dot [rad/s]".
+std::string to_string(const std::vector<Channel>& channels);
 
 /// Rollouts, and all channels that their file has.
-struct Recording {
-  Target target;
-  Channels channels;
+struct Recording : Target {
+  Channels recorded;
 };
-/// The same with these channels.
-Recording read_whole_recording(const std::filesystem::path& path,
-                               const std::optional<Channels>& expected);
 
-/// The same of an open file that is known to be intact, such as an artefact of ours.
+/// The `expected` channels are picked by label and unit, in their order, others left out. Rollouts
+/// without names are called "0", "1", ... Throws InputError that names the file and what is wrong
+/// with it: shapes, types, channels, dt, NaN (with rollout, channel and step), a truncated file. A
+/// child process reads it first (outside_file.h), so no other thread may be using HDF5.
+Recording read_recording(const std::filesystem::path& path,
+                         const std::optional<Channels>& expected = std::nullopt);
+
+/// Of an open file that is known to be intact, such as an artefact of ours.
 Recording read_rollouts(const h5::File& file, const std::optional<Channels>& expected = {});
 
-/// Writes `target` as a recording, as a whole or not at all. Throws InputError when the target
-/// can't be valid, Error when writing fails.
+/// As a whole or not at all. Throws InputError when the target can't be valid, Error when writing
+/// fails.
 void write_recording(const Target& target, const std::filesystem::path& path);
 
-/// Writes the datasets and attributes of a recording into an open file. Throws Error.
+/// Datasets and attributes of a recording. Throws Error.
 void write_target(h5::File& file, const Target& target);
 
 /// 32 hexadecimal digits that depend on all values, channels and dt; not on names and the source.

@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
-
-#include "core/error.h"
-#include "pipeline/artefacts/described_artefact.h"
-#include "pipeline/artefacts/layout_tables.h"
 
 namespace npdr::pipeline {
 void describe(Layout f, std::optional<inference::ImportanceCertificate>& certificate) {
@@ -48,6 +46,53 @@ void describe(Layout f, std::optional<FirstStateMoves>& moves) {
   group->attribute("num_draws", moves->num_draws, "simulated before the last of them");
   (*group)("first_errors", moves->first_errors, {{"S"}, {"C"}},
            "of the noise, over its unit, that simulations of segments begin without", kFinite);
+}
+
+void describe(Layout f, std::optional<PowerScores>& scores) {
+  if (auto group = f.group("power_scores", scores)) describe(*group, *scores);
+}
+
+void describe(Layout group, PowerScores& scores) {
+  group("power", scores.power, {{"k"}}, "powers of the likelihood, where they were tried",
+        {.unless_empty = true});
+  group("noise_factor", scores.noise_factor, {{"k"}},
+        "of the noise's unknown scales, for predictions", {.unless_empty = true});
+  group("crps", scores.crps, {{"k"}, {"H"}},
+        "CRPS of each rollout, left out, with noise by the factor that makes it least",
+        {.unless_empty = true});
+  const Index k = scores.power.size();
+  if (group.reads() && (scores.noise_factor.size() != k || scores.crps.rows() != k)) {
+    throw InputError(fmt::format("{}: scores of {} powers, {} factors and {} rows of CRPS",
+                                 group.where(), k, scores.noise_factor.size(), scores.crps.rows()));
+  }
+}
+
+bool PowerScores::ends_at_least(double most) const {
+  const Index k = power.size();
+  return k > 0 && power(k - 1) < most && k - 1 == least();
+}
+
+Index PowerScores::least() const {
+  Index least = 0;
+  crps.rowwise().mean().minCoeff(&least);
+  return least;
+}
+
+double PowerScores::as_good_as_any() const {
+  constexpr double as_good = 0.01;  // of a score
+  const double best = crps.row(least()).mean();
+  return best + std::max(as_good * best, standard_error(least()));
+}
+
+double PowerScores::standard_error(Index power_number) const {
+  const auto of_rollouts = crps.row(power_number).array();
+  const auto count = static_cast<double>(crps.cols());
+  return (of_rollouts - of_rollouts.mean()).matrix().norm() / std::sqrt(count * (count - 1.0));
+}
+
+double PowerScores::noise_factor_at(double wanted) const {
+  const Index below = std::ranges::upper_bound(power, wanted) - power.begin();
+  return below == 0 ? 1.0 : noise_factor(below - 1);
 }
 
 namespace {
@@ -108,33 +153,25 @@ void describe(Layout f, inference::ImportanceLevel& level) {
   describe_members(f, "flow", level.proposal.flows);
 }
 
-void describe(Layout f, std::optional<inference::TemperedWalkers>& walkers) {
-  auto group = f.group("walkers", walkers);
-  if (!group) return;
-  inference::TemperedWalkers& w = *walkers;
-  (*group)("u", w.u, {{"W"}, {"D"}}, "where walkers are that climb",
-           {.allowed = h5::Values::finite});
-  (*group)("log_likelihood", w.log_likelihood, {{"W"}}, "there [nats]",
-           {.allowed = h5::Values::finite});
-  group->attribute("likelihood_power", w.power, "b");
-  group->attribute("log_evidence", w.log_evidence, "log Z by the climb [nats]");
-  group->attribute("step_length_wide", w.step_lengths[0], "in units of the length for a Gaussian");
-  group->attribute("step_length_near", w.step_lengths[1], "likewise, of steps by neighbors");
-  group->attribute("num_sweeps", w.num_sweeps, "at this power");
-  (*group)("neighbors", w.neighbors, {{"W"}, {"J"}}, "of each walker, which walkers they are");
+void describe(Layout f, inference::TemperedWalkers& w) {
+  f("u", w.u, {{"W"}, {"D"}}, "where walkers are that climb", {.allowed = h5::Values::finite});
+  f("log_likelihood", w.log_likelihood, {{"W"}}, "there [nats]", {.allowed = h5::Values::finite});
+  f.attribute("likelihood_power", w.power, "b");
+  f.attribute("log_evidence", w.log_evidence, "log Z by the climb [nats]");
+  f.attribute("step_length_wide", w.step_lengths[0], "in units of the length for a Gaussian");
+  f.attribute("step_length_near", w.step_lengths[1], "likewise, of steps by neighbors");
+  f.attribute("num_sweeps", w.num_sweeps, "at this power");
+  f("neighbors", w.neighbors, {{"W"}, {"J"}}, "of each walker, which walkers they are");
 }
 
-void describe(Layout f, std::optional<inference::WeightSearch>& search) {
-  auto group = f.group("search", search);
-  if (!group) return;
-  inference::WeightSearch& s = *search;
-  (*group)("u", s.u, {{"S"}, {"D"}}, "where searchers are", kFinite);
-  (*group)("log_likelihood", s.log_likelihood, {{"S"}}, "there [nats]", kFinite);
-  (*group)("log_weight", s.log_weight, {{"S"}}, "of the posterior over the flows' density [nats]",
-           kFinite);
-  (*group)("log_step", s.log_step, {{"S"}}, "logarithm of their steps' length", kFinite);
-  (*group)("covariance", s.covariance, {{"S"}, {"E"}}, "of their steps, E = D^2", kFinite);
-  group->attribute("num_steps", s.num_steps, "that each has made");
+void describe(Layout f, inference::WeightSearch& s) {
+  f("u", s.u, {{"S"}, {"D"}}, "where searchers are", kFinite);
+  f("log_likelihood", s.log_likelihood, {{"S"}}, "there [nats]", kFinite);
+  f("log_weight", s.log_weight, {{"S"}}, "of the posterior over the flows' density [nats]",
+    kFinite);
+  f("log_step", s.log_step, {{"S"}}, "logarithm of their steps' length", kFinite);
+  f("covariance", s.covariance, {{"S"}, {"E"}}, "of their steps, E = D^2", kFinite);
+  f.attribute("num_steps", s.num_steps, "that each has made");
 }
 
 }  // namespace
@@ -152,13 +189,12 @@ void describe(Layout f, RefinementCheckpoint& checkpoint) {
   f.attribute("heavy_share", state.heavy_share, "of the posterior, at weights above that");
   f.attribute("num_searches", state.num_searches, "for what flows haven't seen");
   f.attribute("num_found", state.num_found, "places that the last of them has found");
-  describe(f, state.walkers);
-  describe(f, state.search);
+  if (auto walkers = f.group("walkers", state.walkers)) describe(*walkers, *state.walkers);
+  if (auto search = f.group("search", state.search)) describe(*search, *state.search);
   describe_members(f, "level", state.levels);
   describe(f, checkpoint.moves);
   if (!f.lists()) describe(f.group("power_scores"), checkpoint.powers);  // as in the posterior
 }
-template struct Artefact<RefinementCheckpoint>;
 
 void list_certificate(Layout f) {
   std::optional<inference::ImportanceCertificate> certificate;

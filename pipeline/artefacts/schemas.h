@@ -2,31 +2,50 @@
 /// stores changes its meaning; it is part of every key, so older artefacts are simply made anew.
 #pragma once
 
+#include <optional>
 #include <tuple>
+#include <utility>
 
+#include "pipeline/artefacts/layout.h"
 #include "pipeline/store/artefact.h"
 
 namespace npdr::pipeline {
 
-class Layout;
-
 /// Artefacts that hold a T. A function describe(Layout, T&) beside T says what stands in them
-/// (layout.h), and throws InputError for what doesn't go together when it is read. The file that
-/// defines it instantiates this template (described_artefact.h).
+/// (layout.h), and throws InputError for what doesn't go together when it is read.
 template <class T>
 struct Artefact : Schema {
   /// Fills a file in the making. Throws Error.
-  void write(h5::File& file, T value) const;
+  void write(h5::File& file, T value) const { describe(Layout::writer(file), value); }
   /// Writes a whole artefact, such as a checkpoint; `cost`, where T has such a member, is that of
   /// the work that led to it. Throws Error.
-  void write(const std::filesystem::path& path, const Identity& identity, T value) const;
+  void write(const std::filesystem::path& path, const Identity& identity, T value) const {
+    ArtefactWriter writer(path, *this, identity);
+    if constexpr (requires { value.cost; }) writer.add_cost(value.cost);
+    write(writer.file(), std::move(value));
+    writer.finish();
+  }
   /// With its cost where T has a member for it. Throws InputError.
-  T read(const ArtefactFile& artefact) const;
+  T read(const ArtefactFile& artefact) const {
+    const h5::File file = open_artefact(artefact, *this);
+    T value;
+    describe(Layout::reader(file), value);
+    if constexpr (requires { value.cost; }) value.cost = provenance_of(file).cost;
+    return value;
+  }
   /// The same of a file that may not be there, such as a checkpoint, which another process may
   /// remove at any instant.
-  std::optional<T> read_if_there(const ArtefactFile& artefact) const;
+  std::optional<T> read_if_there(const ArtefactFile& artefact) const try {
+    return read(artefact);
+  } catch (const Error&) {
+    if (std::filesystem::exists(artefact.path)) throw;
+    return std::nullopt;
+  }
   /// What stands in them, for the tables of docs/file-formats.md.
-  static void list(Layout f);
+  static void list(Layout f) {
+    T value;
+    describe(std::move(f), value);
+  }
 };
 
 inline const Schema kTargetSchema{"target", 2, "target"};

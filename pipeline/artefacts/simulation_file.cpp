@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <span>
 
 #include "core/feature_names.h"
 #include "core/text.h"
-#include "pipeline/artefacts/layout_tables.h"
-#include "pipeline/artefacts/schemas.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -74,36 +73,32 @@ void describe_values(Layout f, const Study& study, const Target& target, Index n
   }
 }
 
-// Who made the shards.
-struct Ledger {
-  std::vector<Index> begin, end, failed;
-  std::vector<std::string> host, batch_job;
-  std::vector<double> wall_seconds, core_seconds;
-
-  void add(const Provenance& provenance, RowRange rows, Index num_failed) {
-    begin.push_back(rows.begin);
-    end.push_back(rows.end);
-    failed.push_back(num_failed);
-    host.push_back(provenance.host);
-    batch_job.push_back(provenance.batch_job);
-    wall_seconds.push_back(provenance.cost.wall_seconds);
-    core_seconds.push_back(provenance.cost.core_seconds);
-  }
+// A shard, and who made it.
+struct MadeShard {
+  RowRange rows;
+  Index num_failed = 0;
+  Provenance by;
 };
 
 // Describes what only the joined file has.
-void describe(Layout f, Ledger& ledger, Index num_failed) {
+void describe(Layout f, const std::vector<MadeShard>& shards, Index num_failed) {
   f.attribute("num_failed", num_failed, "of the joined file: rows whose status isn't 0");
-  const Dims shards = {{"S"}};
   Layout group = f.group("shards");
   group.attribute("volatile", Index{1}, "1: not part of the digest; of the joined file only");
-  group("begin", ledger.begin, shards, "who made which rows: the first");
-  group("end", ledger.end, shards, "the one after the last");
-  group("failed", ledger.failed, shards, "how many failed");
-  group("host", ledger.host, shards, "machine");
-  group("batch_job", ledger.batch_job, shards, "of the batch system; empty without one");
-  group("wall_seconds", ledger.wall_seconds, shards, "that it took");
-  group("core_seconds", ledger.core_seconds, shards, "that times the threads");
+  const auto column = [&](const char* name, const char* meaning, const auto& of) {
+    std::vector<decltype(of(MadeShard{}))> values;
+    std::ranges::transform(shards, std::back_inserter(values), of);
+    group(name, values, {{"S"}}, meaning);
+  };
+  using Made = const MadeShard&;
+  column("begin", "who made which rows: the first", [](Made s) { return s.rows.begin; });
+  column("end", "the one after the last", [](Made s) { return s.rows.end; });
+  column("failed", "how many failed", [](Made s) { return s.num_failed; });
+  column("host", "machine", [](Made s) { return s.by.host; });
+  column("batch_job", "of the batch system; empty without one",
+         [](Made s) { return s.by.batch_job; });
+  column("wall_seconds", "that it took", [](Made s) { return s.by.cost.wall_seconds; });
+  column("core_seconds", "that times the threads", [](Made s) { return s.by.cost.core_seconds; });
 }
 
 void describe_warnings(Layout f, std::vector<std::string> warnings) {
@@ -129,6 +124,26 @@ Index copy_rows(const h5::File& shard, h5::File& joined, RowRange rows) {
 }
 
 }  // namespace
+
+void describe(Layout f, Proposal& proposal) {
+  f("theta", proposal.theta, {{"N", "row"}, kParameter},
+    "parameters; bounds of the prior's support are infinite where it has none")
+      .columns(proposal.parameters);
+}
+
+h5::Dataset open_proposal(const ArtefactFile& proposal) {
+  h5::Dataset theta = open_artefact(proposal, kProposalSchema).dataset("theta");
+  theta.require_shape({-1, -1});
+  return theta;
+}
+
+RowMatrix read_proposal(const h5::Dataset& theta, RowRange rows) {
+  RowMatrix values(rows.size(), theta.row_size());
+  const std::span<double> all(values.data(), static_cast<std::size_t>(values.size()));
+  theta.read_rows<double>(rows.begin, values.rows(), all);
+  theta.require_finite<double>(all);
+  return values;
+}
 
 void create_simulation_datasets(h5::File& file, const Study& study, const Target& target,
                                 Index num_rows) {
@@ -165,23 +180,23 @@ void join_shards(const ArtefactFile& simulation, const Identity& identity, const
   const Layout f = Layout::writer(file);
   describe_rows(f, study.prior, n);
   std::vector<h5::VirtualSource> sources;
-  Ledger ledger;
+  std::vector<MadeShard> made;
   std::vector<std::string> warnings;
   if (!warning.empty()) warnings.push_back(warning);
   Index num_failed = 0;
   for (const Shard& part : shards) {
-    const h5::File shard =
-        open_artefact(part.path, kSimulationShardSchema, shard_identity(identity, part.rows).key());
+    const h5::File shard = open_artefact({part.path, shard_identity(identity, part.rows).key()},
+                                         kSimulationShardSchema);
     const Provenance provenance = provenance_of(shard);
-    ledger.add(provenance, part.rows, copy_rows(shard, file, part.rows));
-    num_failed += ledger.failed.back();
+    made.push_back({part.rows, copy_rows(shard, file, part.rows), provenance});
+    num_failed += made.back().num_failed;
     std::ranges::copy(warnings_of(shard), std::back_inserter(warnings));
     writer.add_cost(provenance.cost);
     sources.push_back({simulation.key + "/" + part.path.filename().string(), values_name(study),
                        part.rows.size()});
   }
   describe_values(f, study, target, n, sources);
-  describe(f, ledger, num_failed);
+  describe(f, made, num_failed);
   write_warnings(file, warnings);
   writer.finish();
 }
@@ -208,11 +223,10 @@ std::string failures(const h5::File& simulation) {
 }
 
 void list_simulation(Layout f) {
-  Ledger ledger;
   describe_rows(f, {}, 0);
   describe_trajectories(f, {}, {}, 1, {});
   describe_x(f, {}, {}, {});
-  describe(f, ledger, 0);
+  describe(f, std::vector<MadeShard>(), 0);
   describe_warnings(f, {});
 }
 

@@ -1,16 +1,31 @@
-/// Simulation artefacts: shards, and the file that joins them. A shard holds a range of rows. The
-/// joined file holds the trajectories as a virtual dataset over the shards, and copies of the rest.
+/// Proposal artefacts: theta of a round's simulations. Simulation artefacts: shards, and the file
+/// that joins them. A shard holds a range of rows. The joined file holds the trajectories as a
+/// virtual dataset over the shards, and copies of the rest.
 #pragma once
 
 #include <vector>
 
 #include "core/target.h"
+#include "inference/prior.h"
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/work_folder.h"
 #include "pipeline/config/study.h"
 #include "pipeline/store/artefact.h"
 #include "sim/trajectories.h"
 
 namespace npdr::pipeline {
+
+struct Proposal {
+  RowMatrix theta;                              ///< (N, D)
+  std::vector<inference::Marginal> parameters;  ///< of theta's columns; not read
+};
+void describe(Layout f, Proposal& proposal);
+
+/// The dataset theta (N, D), in the order of the prior. Throws InputError.
+h5::Dataset open_proposal(const ArtefactFile& proposal);
+
+/// Rows [begin, end) of it. Throws InputError for one that isn't finite.
+RowMatrix read_proposal(const h5::Dataset& theta, RowRange rows);
 
 /// The dataset of a simulation that holds what was simulated: trajectories, or x. Throws
 /// InputError.
@@ -31,15 +46,13 @@ struct Shard {
   std::filesystem::path path;
 };
 
-/// Joins the shards of a simulation, all of which are there, with their warnings and the one that
-/// all rows give together ("": none). Throws InputError for a damaged one, Error when writing
-/// fails.
+/// Joins the shards of a simulation, with their warnings and the one that all rows give together
+/// ("": none). Throws InputError for a damaged one, Error when writing fails.
 void join_shards(const ArtefactFile& simulation, const Identity& identity, const Study& study,
                  const Target& target, const std::vector<Shard>& shards,
                  const std::string& warning);
 
-/// Says of a shard or a simulation what is probably wrong with its rows (first_rows.h). No warnings
-/// leave it as it is.
+/// Warnings of a shard's or a simulation's rows (first_rows.h). None leave the file as it is.
 void write_warnings(h5::File& file, const std::vector<std::string>& warnings);
 /// Empty: none. Throws InputError.
 std::vector<std::string> warnings_of(const h5::File& file);

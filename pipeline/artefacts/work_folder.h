@@ -1,12 +1,8 @@
-/// Where things lie: the cache of artefacts, and the readable folder of a study.
-///
-///   <work>/.cache/<stage>/<key>.h5             artefacts
-///   <work>/.cache/simulate/<key>/              shards of a simulation
-///   <work>/.cache/infer/<key>.rows/            rows that a refinement shares with its helpers
-///   <work>/<study>/<method>/seed-1/round-1/    links to the artefacts, by what they are
-///   <work>/<study>/                            tables, figures, logs, report.html
-/// The file tree is the only state: there is no database or controller.
+/// Where things lie: the cache of artefacts, and the readable folder of a study
+/// (docs/architecture.md). The file tree is the only state: there is no database or controller.
 #pragma once
+
+#include <fmt/format.h>
 
 #include <filesystem>
 #include <string>
@@ -29,16 +25,26 @@ class WorkFolder {
   explicit WorkFolder(std::filesystem::path root) : root_(std::move(root)) {}
 
   const std::filesystem::path& root() const { return root_; }
-  std::filesystem::path artefact(const std::string& stage, const std::string& key) const;
+  std::filesystem::path artefact(const std::string& stage, const std::string& key) const {
+    return root_ / ".cache" / stage / (key + ".h5");
+  }
   /// The artefact in the cache that `other`, another artefact, lies in.
   static std::filesystem::path beside(const std::filesystem::path& other, const std::string& stage,
-                                      const std::string& key);
+                                      const std::string& key) {
+    return other.parent_path().parent_path() / stage / (key + ".h5");
+  }
   /// File that an interrupted stage goes on from.
-  std::filesystem::path checkpoint(const std::string& stage, const std::string& key) const;
+  std::filesystem::path checkpoint(const std::string& stage, const std::string& key) const {
+    return root_ / ".cache" / stage / (key + ".checkpoint.h5");
+  }
   /// Folder of the rows that a refinement asks its helpers for (asked_rows_file.h).
-  std::filesystem::path asked_rows(const std::string& key) const;
+  std::filesystem::path asked_rows(const std::string& key) const {
+    return root_ / ".cache" / "infer" / (key + ".rows");
+  }
   /// These rows of the simulation `key`.
-  std::filesystem::path shard(const std::string& key, RowRange rows) const;
+  std::filesystem::path shard(const std::string& key, RowRange rows) const {
+    return root_ / ".cache" / "simulate" / key / fmt::format("rows-{}-{}.h5", rows.begin, rows.end);
+  }
   std::filesystem::path study(const std::string& name) const { return root_ / name; }
 
  private:

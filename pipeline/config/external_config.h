@@ -12,7 +12,7 @@
 
 #include "core/feature_names.h"
 #include "core/types.h"
-#include "pipeline/store/file_format.h"
+#include "pipeline/store/number_table.h"
 
 namespace npdr::pipeline {
 

@@ -226,7 +226,7 @@ Vector metric_distances(const Plan& plan, const Node& node, const Target& target
   // Where a segment begins the last state of the one before counts, which is simulated: with few
   // stored states in a segment few others would be left, or none.
   const analysis::Metrics metrics(thinned(target, stride));
-  const h5::File file = open_artefact(node.path, kSimulationSchema, node.key);
+  const h5::File file = open_artefact(node, kSimulationSchema);
   const h5::Dataset trajectories = file.dataset("trajectories");
   const Index n = trajectories.num_rows(), steps = target.num_steps() / stride;
   trajectories.require_shape({n, target.num_rollouts(), steps, target.num_states()});

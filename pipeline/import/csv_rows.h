@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/target.h"
-#include "pipeline/artefacts/channels.h"
+#include "pipeline/artefacts/recording.h"
 #include "pipeline/import/rates.h"
-#include "pipeline/store/csv_line.h"
+#include "pipeline/store/number_table.h"
 
 namespace npdr::pipeline {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "pipeline/artefacts/power_scores.h"
+#include "pipeline/artefacts/refinement_file.h"
 #include "sim/noise_likelihood.h"
 #include "sim/trajectories.h"
 

@@ -7,7 +7,7 @@
 #include "core/normal.h"
 #include "inference/prior.h"
 #include "inference/samplers/chain_diagnostics.h"
-#include "pipeline/artefacts/proposal_file.h"
+#include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/report/parts.h"
 

@@ -177,8 +177,10 @@ class FileCall final : public ProgramCall {
   RowMatrix read_x(const CallFiles& files, Index num_lines) const {
     const std::unique_lock lock = lock_files(format());
     try {
-      return read_features(files.table("x"), format(), num_lines, program_.info.state_channels,
-                           {program_.external.names_from, true})
+      return read_features(files.table("x"), format(), num_lines,
+                           {.features = program_.info.state_channels,
+                            .names_from = program_.external.names_from,
+                            .needs_line_ends = true})
           .x;
     } catch (const InputError& error) {
       throw InputError(fmt::format("{}; x must have {}", error.what(), expected_columns()));

@@ -3,6 +3,7 @@
 #include "core/constants.h"
 #include "inference/abc/abc.h"
 #include "inference/abc/feature_distance.h"
+#include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/observation.h"

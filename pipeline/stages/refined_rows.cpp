@@ -106,7 +106,7 @@ std::optional<SimulatedRows> RefinedRows::ask(AskedRows asked, const OnRows& on_
     // A process that was killed waits for them no more.
     if (name != asked_name) fs::remove(folder_ / name, ignored);
   }
-  while_it_lasts([&] { write_asked_rows(folder_, node_.identity, asked); });
+  while_it_lasts([&] { kAskedRowsSchema.write(folder_ / asked_name, node_.identity, asked); });
   std::optional<SimulatedRows> result;
   for (Index num_pauses = 0; !result; ++num_pauses) {
     make_folder(folder_);  // another run of this refinement may have ended, and removed it

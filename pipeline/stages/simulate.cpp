@@ -5,7 +5,6 @@
 
 #include "core/error.h"
 #include "core/stop_request.h"
-#include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/features/failures.h"
@@ -53,7 +52,7 @@ Findings find_in_all(const Simulation& simulation, const std::vector<Shard>& sha
   RepeatedOutliers outliers(std::ssize(columns));
   for (const Shard& shard : shards) {
     const Identity identity = shard_identity(simulation.node.identity, shard.rows);
-    const h5::File file = open_artefact(shard.path, kSimulationShardSchema, identity.key());
+    const h5::File file = open_artefact({shard.path, identity.key()}, kSimulationShardSchema);
     const h5::Dataset values = simulated_values(file);
     values.require_shape({shard.rows.size(), std::ssize(columns)});
     const Index most = std::max<Index>(1, kNumbersRead / std::max<Index>(1, values.row_size()));

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <set>
 #include <utility>
@@ -10,7 +11,7 @@
 #include "core/parallel.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/process/progress.h"
-#include "pipeline/store/content_key.h"
+#include "pipeline/store/hash.h"
 #include "pipeline/store/hostile_json.h"
 #include "pipeline/store/seal.h"
 
@@ -19,7 +20,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kVolatile = "volatile";
 constexpr const char* kProvenance = "provenance";
 constexpr const char* kSealed = "sealed";
 
@@ -57,7 +57,7 @@ void write_provenance(h5::File& file, const Json& study, const Cost& cost) {
                         .batch_job = batch_job_id(),
                         .cost = cost};
   h5::Group group = file.create_group(kProvenance);
-  mark_volatile(group);
+  group.set_attribute(kVolatile, Index{1});
   for (const auto& [name, text] : kTexts) group.set_attribute(name, made.*text);
   if (!made.batch_job.empty()) group.set_attribute("batch_job", made.batch_job);
   group.set_attribute("wall_seconds", cost.wall_seconds);
@@ -101,18 +101,6 @@ std::map<std::string, std::string> read_inputs(const h5::File& file) {
   return inputs;
 }
 
-// Files of earlier versions don't tell how many cores they had.
-Provenance read_provenance(const h5::Group& group) {
-  Provenance made;
-  for (const auto& [name, text] : kTexts) made.*text = group.attribute<std::string>(name);
-  if (group.has_attribute("batch_job")) made.batch_job = group.attribute<std::string>("batch_job");
-  made.cost.wall_seconds = group.attribute<double>("wall_seconds");
-  made.cost.core_seconds = group.has_attribute("core_seconds")
-                               ? group.attribute<double>("core_seconds")
-                               : made.cost.wall_seconds;
-  return made;
-}
-
 }  // namespace
 
 Json key_document(const Schema& schema) {
@@ -136,8 +124,6 @@ ArtefactWriter::ArtefactWriter(const std::filesystem::path& path, const Schema& 
       file_(h5::File::create(atomic_.temporary(), path.string())) {
   write_identity(file_, schema, identity_);
 }
-
-void ArtefactWriter::add_cost(const Cost& cost) { earlier_ += cost; }
 
 void ArtefactWriter::finish() {
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
@@ -171,10 +157,10 @@ h5::File open_undamaged(const std::filesystem::path& path, bool is_made) try {
 
 }  // namespace
 
-h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
-                       const std::string& key) {
+h5::File open_artefact(const ArtefactFile& artefact, const Schema& schema) {
+  const std::string& key = artefact.key;
   // Without a key somebody named the file, and it needn't be one of ours.
-  h5::File file = open_undamaged(path, !key.empty());
+  h5::File file = open_undamaged(artefact.path, !key.empty());
   require_complete(file);
   require_schema(file, schema);
   const auto found = file.attribute<std::string>("key");
@@ -194,10 +180,6 @@ std::optional<h5::File> open_artefact_if_there(const ArtefactFile& file, const S
   }
 }
 
-h5::File open_artefact(const ArtefactFile& file, const Schema& schema) {
-  return open_artefact(file.path, schema, file.key);
-}
-
 ArtefactInfo read_artefact_info(const std::filesystem::path& path) {
   const h5::File file = open_undamaged(path, false);
   require_complete(file);
@@ -212,7 +194,7 @@ ArtefactInfo read_artefact_info(const std::filesystem::path& path) {
   info.identity.study =
       parse_json(provenance.attribute<std::string>("study"), provenance.where() + ": study");
   info.identity.seed = static_cast<std::uint64_t>(file.attribute<Index>("seed"));
-  info.provenance = read_provenance(provenance);
+  info.provenance = provenance_of(file);
   if (info.key != info.identity.key()) {
     throw InputError(file.where() +
                      ": its key isn't that of its key document: somebody changed it");
@@ -229,10 +211,116 @@ std::vector<std::string> own_attributes(const h5::File& file) {
   return own;
 }
 
-Provenance provenance_of(const h5::File& file) { return read_provenance(file.group(kProvenance)); }
+// Files of earlier versions don't tell how many cores they had.
+Provenance provenance_of(const h5::File& file) {
+  const h5::Group group = file.group(kProvenance);
+  Provenance made;
+  for (const auto& [name, text] : kTexts) made.*text = group.attribute<std::string>(name);
+  if (group.has_attribute("batch_job")) made.batch_job = group.attribute<std::string>("batch_job");
+  made.cost.wall_seconds = group.attribute<double>("wall_seconds");
+  made.cost.core_seconds = group.has_attribute("core_seconds")
+                               ? group.attribute<double>("core_seconds")
+                               : made.cost.wall_seconds;
+  return made;
+}
 
-void mark_volatile(h5::Object& object) { object.set_attribute(kVolatile, Index{1}); }
+namespace {
 
-bool is_volatile(const h5::Object& object) { return object.has_attribute(kVolatile); }
+using h5::ElementType;
+
+// Rows are hashed in blocks of about this size, so that a file of any size can be digested.
+constexpr Index kBlockBytes = 8 << 20;
+
+template <class T>
+void add_numbers(Hasher& hasher, const h5::Dataset& dataset) {
+  dataset.require_readable(h5::element_type<T>());  // before room for what it claims is made
+  const Index row_bytes = std::max<Index>(1, dataset.row_size() * static_cast<Index>(sizeof(T)));
+  const Index block_rows = std::max<Index>(1, kBlockBytes / row_bytes);
+  std::vector<T> block;
+  for (Index begin = 0; begin < dataset.num_rows(); begin += block_rows) {
+    const Index count = std::min(block_rows, dataset.num_rows() - begin);
+    block.resize(static_cast<std::size_t>(count * dataset.row_size()));
+    dataset.read_rows<T>(begin, count, block);
+    hasher.add_bytes(block.data(), block.size() * sizeof(T));
+  }
+}
+
+template <class T>
+void add_attribute(Hasher& hasher, const h5::Object& object, const std::string& name) {
+  const auto values = object.attribute<std::vector<T>>(name);
+  hasher.add(static_cast<std::int64_t>(values.size()));
+  for (const T& value : values) hasher.add(value);
+}
+
+void add_attributes(Hasher& hasher, const h5::Object& object) {
+  for (const std::string& name : object.attribute_names()) {
+    hasher.add("attribute " + name);
+    const ElementType type = object.attribute_type(name);
+    if (type == ElementType::text) {
+      add_attribute<std::string>(hasher, object, name);
+    } else if (type == ElementType::f32 || type == ElementType::f64) {
+      add_attribute<double>(hasher, object, name);
+    } else {
+      add_attribute<Index>(hasher, object, name);
+    }
+  }
+}
+
+void add_dataset(Hasher& hasher, const h5::Dataset& dataset) {
+  hasher.add(static_cast<std::int64_t>(dataset.type()));
+  hasher.add(static_cast<std::int64_t>(dataset.shape().size()));
+  for (const Index extent : dataset.shape()) hasher.add(extent);
+  add_attributes(hasher, dataset);
+  switch (dataset.type()) {
+    case ElementType::f32:
+      return add_numbers<float>(hasher, dataset);
+    case ElementType::f64:
+      return add_numbers<double>(hasher, dataset);
+    case ElementType::u8:
+      return add_numbers<std::uint8_t>(hasher, dataset);
+    case ElementType::i64:
+      return add_numbers<std::int64_t>(hasher, dataset);
+    case ElementType::text:
+      for (const std::string& text : dataset.read<std::string>()) hasher.add(text);
+  }
+}
+
+// A file whose groups hold each other would never end.
+constexpr int kMaxDepth = 32;
+constexpr int kMaxGroups = 10'000;
+
+void add_group(Hasher& hasher, const h5::Group& group, int& num_groups, int depth = 0) {
+  if (depth > kMaxDepth) {
+    throw InputError(fmt::format("{}: groups are nested {} deep, must be <= {}", group.where(),
+                                 depth, kMaxDepth));
+  }
+  if (++num_groups > kMaxGroups) {
+    throw InputError(fmt::format("{}: more than {} groups", group.where(), kMaxGroups));
+  }
+  add_attributes(hasher, group);
+  for (const std::string& name : group.names()) {
+    if (group.is_group(name)) {
+      const h5::Group member = group.group(name);
+      if (member.has_attribute(kVolatile)) continue;
+      hasher.add("group " + name);
+      add_group(hasher, member, num_groups, depth + 1);
+    } else {
+      const h5::Dataset member = group.dataset(name);
+      if (member.has_attribute(kVolatile)) continue;
+      hasher.add("dataset " + name);
+      add_dataset(hasher, member);
+    }
+  }
+  hasher.add("end");
+}
+
+}  // namespace
+
+std::string content_digest(const std::filesystem::path& path) {
+  Hasher hasher;
+  int num_groups = 0;
+  add_group(hasher, h5::File::open(path), num_groups);
+  return hasher.hex();
+}
 
 }  // namespace npdr::pipeline

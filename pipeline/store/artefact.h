@@ -3,9 +3,8 @@
 /// Attributes of the file say what it is: schema, schema_version, stage, key, key_document, inputs
 /// (and input_keys beside them), seed, complete. The group 'provenance' says who made it, when and
 /// where: creator_version, git_revision, instruction_set, host, batch_job, created, wall_seconds,
-/// core_seconds, study. It is
-/// marked volatile: two runs that computed the same thing may differ in it. So may every other
-/// group or dataset that mark_volatile() was called on, such as the seconds that each row took.
+/// core_seconds, study. Runs that computed the same thing may differ in it, and in every other
+/// group or dataset with the attribute kVolatile, such as the seconds that each row took.
 #pragma once
 
 #include <chrono>
@@ -83,8 +82,7 @@ struct ArtefactInfo {  // NOLINT(bugprone-exception-escape): moving JSON doesn't
 };
 
 /// An artefact in the making, made before the work begins: a folder that can't be written to is an
-/// error before hours were spent. The file has its name only after finish(); until then it doesn't
-/// exist for anybody else, and it never does when finish() isn't reached.
+/// error before hours were spent. Only finish() gives the file its name.
 class ArtefactWriter {
  public:
   /// `scratch`: see AtomicFile.
@@ -94,7 +92,7 @@ class ArtefactWriter {
   h5::File& file() { return file_; }
 
   /// Counts work that was done before the constructor, such as that of shards.
-  void add_cost(const Cost& cost);
+  void add_cost(const Cost& cost) { earlier_ += cost; }
 
   /// Writes who made it and how long that took since the constructor, marks the artefact as
   /// complete and gives it its name. Throws Error.
@@ -109,32 +107,28 @@ class ArtefactWriter {
 };
 
 /// open_artefact() of a file that may not be there, such as a checkpoint, which another process may
-/// remove at any instant. Throws as that does when it is there.
+/// remove at any instant.
 std::optional<h5::File> open_artefact_if_there(const ArtefactFile& file, const Schema& schema);
 
 /// Opens a complete artefact of this schema, and of this key when that isn't empty. Throws
 /// InputError otherwise: says what was found, what is expected and which stage to rerun.
-h5::File open_artefact(const std::filesystem::path& path, const Schema& schema,
-                       const std::string& key = "");
-h5::File open_artefact(const ArtefactFile& file, const Schema& schema);
+h5::File open_artefact(const ArtefactFile& artefact, const Schema& schema);
 
-/// Reads what the artefact in `path`, of any schema, says about itself. Throws InputError for a
-/// file that isn't a complete artefact.
+/// Of any schema. Throws InputError for a file that isn't a complete artefact.
 ArtefactInfo read_artefact_info(const std::filesystem::path& path);
 
-/// The attributes of an artefact's file that its stage has added to those of every artefact.
+/// Attributes that a stage has added to those of every artefact.
 std::vector<std::string> own_attributes(const h5::File& file);
 
-/// Reads who made an open artefact. Throws InputError where it doesn't say.
+/// Throws InputError.
 Provenance provenance_of(const h5::File& file);
 
-/// Excludes a group or dataset from content_digest().
-void mark_volatile(h5::Object& object);
-bool is_volatile(const h5::Object& object);
+/// Attribute that excludes a group or dataset from content_digest().
+inline constexpr const char* kVolatile = "volatile";
 
 /// XXH3-128 of what an artefact holds, 32 hexadecimal digits: names, types, shapes and values of
-/// all datasets and attributes in the order of their names, except for what is marked volatile. How
-/// values are chunked and compressed doesn't count. Equal digests: the same bits were computed.
+/// all datasets and attributes in the order of their names. How values are chunked and compressed
+/// doesn't count. Equal digests: the same bits were computed.
 /// Throws InputError for a file that can't be read.
 std::string content_digest(const std::filesystem::path& path);
 

@@ -7,7 +7,6 @@
 
 #include "core/printable.h"
 #include "pipeline/store/h5_detail.h"
-#include "pipeline/store/h5_virtual.h"
 
 namespace npdr::pipeline::h5 {
 namespace {
@@ -43,11 +42,6 @@ Handle space_of(const Object& dataset) {
   return opened(H5Dget_space(dataset.id()), dataset.where(), "be opened");
 }
 
-// In chunks, which may be compressed; otherwise the file holds every byte of the array.
-bool is_chunked(const Object& dataset) {
-  return H5Pget_layout(properties_of(dataset).id()) == H5D_CHUNKED;
-}
-
 // Raw bytes of any other file, wherever who made this one said that they are.
 void require_own_bytes(const Object& dataset) {
   if (H5Pget_external_count(properties_of(dataset).id()) == 0) return;
@@ -59,17 +53,6 @@ Shape checked_shape(const Object& dataset) {
   require_own_bytes(dataset);
   if (is_virtual(dataset)) check_mapping(dataset);
   return shape_of(space_of(dataset).id(), dataset.where());
-}
-
-// Selects rows begin to begin + count - 1 of `space` and returns a memory space of their shape.
-Handle select_rows(hid_t space, const Shape& shape, Index begin, Index count) {
-  if (shape.empty()) return Handle(H5Screate(H5S_SCALAR));
-  std::vector<hsize_t> start(shape.size(), 0);
-  std::vector<hsize_t> extent(shape.begin(), shape.end());
-  start[0] = static_cast<hsize_t>(begin);
-  extent[0] = static_cast<hsize_t>(count);
-  H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr);
-  return Handle(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr));
 }
 
 // Row-major position of element `i`.
@@ -114,20 +97,6 @@ void Dataset::label_dimensions(const std::vector<std::string>& labels) {
   }
 }
 
-std::vector<std::string> Dataset::dimension_labels() const {
-  prepare();
-  std::vector<std::string> labels;
-  for (unsigned d = 0; d < shape_.size(); ++d) {
-    const ssize_t length = H5DSget_label(id(), d, nullptr, 0);
-    if (length < 0) fail_reading(where(), "read its dimensions' labels");
-    std::string label(static_cast<std::size_t>(length) + 1, '\0');
-    H5DSget_label(id(), d, label.data(), label.size());
-    label.pop_back();
-    labels.push_back(label);
-  }
-  return labels;
-}
-
 void Dataset::require_readable(ElementType type) const {
   if (readable_as_ == type) return;
   const Handle stored = type_of(*this);
@@ -151,9 +120,10 @@ void Dataset::require_stored(Index element_size) const {
     throw InputError(fmt::format("{} claims shape {}, but nothing was ever written to it", where(),
                                  to_string(shape_)));
   }
-  const bool believable = is_chunked(*this)
-                              ? claimed <= kTrustedBytes || claimed / kMaxCompression <= held
-                              : claimed <= held;
+  // Chunks may be compressed; otherwise the file holds every byte of the array.
+  const bool is_chunked = H5Pget_layout(properties_of(*this).id()) == H5D_CHUNKED;
+  const bool believable =
+      is_chunked ? claimed <= kTrustedBytes || claimed / kMaxCompression <= held : claimed <= held;
   if (!believable) {
     throw InputError(
         fmt::format("{} claims shape {} ({} bytes), but the file holds only {} bytes "

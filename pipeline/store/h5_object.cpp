@@ -1,5 +1,3 @@
-#include "pipeline/store/h5_object.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -50,25 +48,23 @@ herr_t take_name(hid_t, const char* name, const H5A_info_t*, void* names) {
   return 0;
 }
 
-// A new attribute, in place of an old one of the same name.
-Handle new_attribute(const Object& object, const std::string& name, ElementType type,
-                     const Shape& shape) {
-  const std::string action = "hold attribute '" + name + "'";
-  if (object.has_attribute(name)) {
-    written(H5Adelete(object.id(), name.c_str()), object.where(), action);
-  }
-  const Handle space = make_space(shape);
-  const Handle stored = file_type(type);
-  return created(
-      H5Acreate2(object.id(), name.c_str(), stored.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT),
-      object.where(), action);
-}
+template <class T>
+constexpr bool is_list = false;
+template <class T>
+constexpr bool is_list<std::vector<T>> = true;
 
 template <class T>
 void write_attribute(const Object& object, const std::string& name, const Shape& shape,
                      const std::vector<T>& values) {
   constexpr ElementType type = element_type<T>();
-  const Handle attribute = new_attribute(object, name, type, shape);
+  const std::string action = "hold attribute '" + name + "'";
+  if (object.has_attribute(name)) {
+    written(H5Adelete(object.id(), name.c_str()), object.where(), action);
+  }
+  const Handle space = make_space(shape), stored = file_type(type);
+  const Handle attribute = created(
+      H5Acreate2(object.id(), name.c_str(), stored.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT),
+      object.where(), action);
   if (values.empty()) return;  // HDF5 takes no pointer to nothing
   const std::string where = object.where() + ": attribute '" + name + "'";
   if constexpr (type == ElementType::text) {
@@ -78,11 +74,6 @@ void write_attribute(const Object& object, const std::string& name, const Shape&
   } else {
     written(H5Awrite(attribute.id(), memory_type(type).id(), values.data()), where, "be written");
   }
-}
-
-template <class T>
-void write_list(const Object& object, const std::string& name, const std::vector<T>& values) {
-  write_attribute(object, name, {std::ssize(values)}, values);
 }
 
 }  // namespace
@@ -106,46 +97,10 @@ std::vector<std::string> Object::attribute_names() const {
   return names;
 }
 
-// NOLINTBEGIN(readability-make-member-function-const): they change the file
-void Object::set_attribute(const std::string& name, double value) {
-  write_attribute<double>(*this, name, {}, {value});
-}
-
-void Object::set_attribute(const std::string& name, Index value) {
-  write_attribute<Index>(*this, name, {}, {value});
-}
-
-void Object::set_attribute(const std::string& name, const std::string& value) {
-  write_attribute<std::string>(*this, name, {}, {value});
-}
-
-void Object::set_attribute(const std::string& name, const std::vector<double>& values) {
-  write_list(*this, name, values);
-}
-
-void Object::set_attribute(const std::string& name, const std::vector<Index>& values) {
-  write_list(*this, name, values);
-}
-
-void Object::set_attribute(const std::string& name, const std::vector<std::string>& values) {
-  write_list(*this, name, values);
-}
-
-// NOLINTEND(readability-make-member-function-const)
-
 ElementType Object::attribute_type(const std::string& name) const {
   const Attribute stored(*this, name);
   return our_type(stored.type.id(), stored.where);
 }
-
-namespace {
-
-template <class T>
-constexpr bool is_list = false;
-template <class T>
-constexpr bool is_list<std::vector<T>> = true;
-
-}  // namespace
 
 template <class T>
 T Object::attribute(const std::string& name) const {
@@ -159,11 +114,26 @@ T Object::attribute(const std::string& name) const {
   }
 }
 
+template <class T>
+void Object::set_attribute(const std::string& name, const T& value) {
+  if constexpr (is_list<T>) {
+    write_attribute(*this, name, {std::ssize(value)}, value);
+  } else {
+    write_attribute<T>(*this, name, {}, {value});
+  }
+}
+
 template double Object::attribute(const std::string&) const;
 template Index Object::attribute(const std::string&) const;
 template std::string Object::attribute(const std::string&) const;
 template std::vector<double> Object::attribute(const std::string&) const;
 template std::vector<Index> Object::attribute(const std::string&) const;
 template std::vector<std::string> Object::attribute(const std::string&) const;
+template void Object::set_attribute(const std::string&, const double&);
+template void Object::set_attribute(const std::string&, const Index&);
+template void Object::set_attribute(const std::string&, const std::string&);
+template void Object::set_attribute(const std::string&, const std::vector<double>&);
+template void Object::set_attribute(const std::string&, const std::vector<Index>&);
+template void Object::set_attribute(const std::string&, const std::vector<std::string>&);
 
 }  // namespace npdr::pipeline::h5

@@ -1,5 +1,3 @@
-#include "pipeline/store/h5_virtual.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,17 +10,6 @@
 
 namespace npdr::pipeline::h5 {
 namespace {
-
-std::vector<hsize_t> extents(const Shape& shape, Index num_rows) {
-  std::vector<hsize_t> result(shape.begin(), shape.end());
-  result.front() = static_cast<hsize_t>(num_rows);
-  return result;
-}
-
-Handle space_of(const std::vector<hsize_t>& size, const std::string& where) {
-  return created(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr), where,
-                 "make a dataspace");
-}
 
 // A text that an HDF5 call fills in: first its length, then itself.
 std::string text_of(const std::function<ssize_t(char*, std::size_t)>& call) {
@@ -39,7 +26,7 @@ std::string text_of(const std::function<ssize_t(char*, std::size_t)>& call) {
 bool is_rows(hid_t space, const Shape& shape, Index begin, Index count) {
   if (H5Sget_select_type(space) == H5S_SEL_ALL) return begin == 0;
   if (H5Sget_simple_extent_ndims(space) != static_cast<int>(shape.size())) return false;
-  std::vector<hsize_t> first = extents(shape, 0), last = first;
+  std::vector<hsize_t> first(shape.size()), last(shape.size());
   if (H5Sget_select_bounds(space, first.data(), last.data()) < 0) return false;
   Shape rows = shape;
   rows.front() = count;
@@ -164,21 +151,16 @@ Dataset Group::create_virtual_dataset(const std::string& name, ElementType type,
   const std::string where = where_of("dataset", name);
   const Handle properties = created(H5Pcreate(H5P_DATASET_CREATE), where, "make a virtual dataset");
   H5Pset_obj_track_times(properties.id(), false);
-  const Handle space = space_of(extents(shape, shape.front()), where);
-  std::vector<hsize_t> start(shape.size(), 0);
+  const Handle space = make_space(shape);
+  Index begin = 0;
   for (const VirtualSource& source : sources) {
-    const std::vector<hsize_t> size = extents(shape, source.num_rows);
-    const Handle source_space = space_of(size, where);
-    written(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, size.data(),
-                                nullptr),
-            where, "select rows");
+    const Handle rows = select_rows(space.id(), shape, begin, source.num_rows);
     written(H5Pset_virtual(properties.id(), space.id(), source.file.c_str(), source.dataset.c_str(),
-                           source_space.id()),
+                           rows.id()),
             where, "map rows of '" + source.file + "'");
-    start.front() += size.front();
+    begin += source.num_rows;
   }
-  const Handle whole = space_of(extents(shape, shape.front()), where);
-  const Handle stored = file_type(type);
+  const Handle whole = make_space(shape), stored = file_type(type);
   return {created(H5Dcreate2(id(), name.c_str(), stored.id(), whole.id(), H5P_DEFAULT,
                              properties.id(), H5P_DEFAULT),
                   where, "make it"),

@@ -1,9 +1,11 @@
-/// 128-bit XXH3 hashes: fast, and wide enough that an accidental collision never happens.
+/// 128-bit XXH3 hashes, fast and wide enough that an accidental collision never happens; and keys
+/// of artefacts: hashes of everything that they depend on.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
@@ -34,5 +36,13 @@ class Hasher {
 
 /// 32 hexadecimal digits of a file's bytes. Throws InputError when it can't be read.
 std::string file_hash(const std::filesystem::path& path);
+
+/// The canonical text of a JSON document: members sorted by name, no white space, numbers with the
+/// fewest digits that give back the same double. The order of a list counts, that of members
+/// doesn't. Throws InputError for a number that isn't finite and for text that isn't UTF-8.
+std::string canonical_json(const nlohmann::ordered_json& document);
+
+/// 32 hexadecimal digits: XXH3-128 of the canonical text. Throws as canonical_json() does.
+std::string content_key(const nlohmann::ordered_json& document);
 
 }  // namespace npdr::pipeline

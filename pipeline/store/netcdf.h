@@ -3,7 +3,6 @@
 #pragma once
 
 #include <map>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -24,12 +23,7 @@ class NetcdfGroup {
   template <class T>
   h5::Dataset& dimension(const std::string& name, const std::vector<T>& coordinates) {
     h5::Dataset& scale = make_scale(name, h5::element_type<T>(), std::ssize(coordinates));
-    scale.write_rows<T>(0, scale.num_rows(), std::span<const T>(coordinates));
-    return scale;
-  }
-  h5::Dataset& dimension(const std::string& name, const std::vector<std::string>& coordinates) {
-    h5::Dataset& scale = make_scale(name, h5::ElementType::text, std::ssize(coordinates));
-    scale.write_texts(coordinates);
+    scale.write(coordinates);
     return scale;
   }
 
@@ -38,8 +32,7 @@ class NetcdfGroup {
   template <class T>
   void variable(const std::string& name, const std::vector<std::string>& dimensions,
                 const std::vector<T>& values, const std::string& unit = "") {
-    h5::Dataset variable = make_variable(name, h5::element_type<T>(), dimensions, unit);
-    variable.write_rows<T>(0, variable.num_rows(), std::span<const T>(values));
+    make_variable(name, h5::element_type<T>(), dimensions, unit).write(values);
   }
 
  private:

@@ -1,4 +1,5 @@
-/// CSV files of numbers that are read row by row, so that their length costs no memory.
+/// Formats of files; CSV files of numbers that are read row by row, so that their length costs no
+/// memory.
 #pragma once
 
 #include <filesystem>
@@ -8,13 +9,41 @@
 #include <string>
 #include <vector>
 
+#include "core/enum_names.h"
 #include "core/error.h"
 #include "core/finding.h"
 #include "core/target.h"
 #include "core/types.h"
-#include "pipeline/store/csv_line.h"
 
 namespace npdr::pipeline {
+
+/// The formats of files that other programs read and write.
+enum class FileFormat { csv, hdf5 };
+constexpr auto enum_table(FileFormat) {
+  return std::to_array<EnumRow<FileFormat>>({{FileFormat::csv, "csv"}, {FileFormat::hdf5, "hdf5"}});
+}
+
+/// How a file separates its columns and writes its numbers.
+struct CsvFormat {
+  char delimiter = ',';
+  bool decimal_comma = false;  ///< 1,5 is one and a half; the delimiter is another then
+};
+
+/// The format of --delimiter (',', ';', '|' or "tab") and --decimal-comma. Throws InputError for
+/// another, and for commas that would both separate columns and begin decimals.
+CsvFormat parse_csv_format(const std::string& delimiter, bool decimal_comma);
+
+/// "commas", "';'", "tabs".
+std::string delimiter_name(char delimiter);
+
+/// The fields of a line, trimmed (RFC 4180, except that a field can't hold a line break). Throws
+/// InputError, which begins with `where`, when the last quote isn't closed.
+std::vector<std::string> csv_fields(const std::string& line, const std::string& where,
+                                    char delimiter = ',');
+
+/// The end of a message about lines in another format: what they look like, and the options of the
+/// command line that read them so; or "".
+std::string format_hint(const std::string& lines, const CsvFormat& format);
 
 /// Whether the first line of a table names its columns.
 enum class Header {
@@ -23,16 +52,14 @@ enum class Header {
 };
 
 /// Numbers, separated by commas unless a format says otherwise, a line a row; all rows are as long
-/// as the first line. Accepts what spreadsheets write: a byte order mark, CRLF, fields in double
-/// quotes, spaces around fields and empty lines at the end; and the `# ` before a header of
-/// numpy's. What isn't printable in the header (core/printable.h) is replaced, and blanks there
-/// that nobody sees are plain or gone. All messages begin with file and line.
+/// as the first line. Accepts a byte order mark, CRLF, fields in double quotes, spaces around
+/// fields, empty lines at the end, and numpy's `# ` before a header. What isn't printable in the
+/// header (core/printable.h) is replaced. All messages begin with file and line.
 class NumberTable {
  public:
-  /// `format`: as chosen on a command line, whose options messages then name when a file looks like
-  /// another; none: commas and decimal points, without a choice. Throws InputError for what can't
-  /// be read, is empty, UTF-16 or without line feeds, or has a header with an empty or repeated
-  /// label, or without a unit that it must have.
+  /// `format`: as chosen on a command line, whose options messages then name; none: commas and
+  /// decimal points. Throws InputError for what can't be read, is empty, UTF-16 or without line
+  /// feeds, and for a header with an empty or repeated label, or without a unit that it must have.
   explicit NumberTable(const std::filesystem::path& path, Header header = Header::optional,
                        const std::optional<CsvFormat>& format = {});
 
@@ -46,7 +73,7 @@ class NumberTable {
   /// empty line between rows, and a line of more than 64 MiB.
   bool next();
 
-  /// The same, and reads its num_columns() numbers.
+  /// The same, and reads its numbers.
   bool next(std::span<double> row);
 
   /// The number in a column of this row; NaN (also `NA`) and infinities are read as such. Throws
@@ -88,9 +115,9 @@ class NumberTable {
   Index num_columns_ = 0;
 };
 
-/// The column of each of the `expected` labels among those that a file has, in whatever order they
-/// are. A unit 1 may also be one that nobody has written down. Throws InputError, beginning with
-/// `where`, when there is no such label, or it is in another unit.
+/// The column of each of the `expected` labels among those that a file has. A unit 1 may also be
+/// one that nobody has written down. Throws InputError for a label that is missing or in another
+/// unit.
 std::vector<Index> find_columns(const std::string& where, const std::vector<Channel>& found,
                                 const std::vector<Channel>& expected);
 

@@ -10,7 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
 #include "core/file_error.h"
 #include "core/open_file.h"
 #include "pipeline/store/hash.h"

@@ -1,10 +1,7 @@
-/// Seals: a checksum of all bytes of a file, behind them, so that damage is found before HDF5 sees
-/// it.
-///
-/// HDF5 1.10 has checksums for its metadata and we ask for some of the chunks of arrays, but none
-/// cover texts, scalars and lists of variable length, and its library may crash on damage there. A
-/// seal is the line "npdr xxh3-128 <32 digits>\n", the XXH3-128 of every byte before it. HDF5
-/// ignores what follows the end that a file says that it has.
+/// Seals: the line "npdr xxh3-128 <32 digits>\n" behind all bytes of a file, their XXH3-128, so
+/// that damage is found before HDF5 sees it. HDF5's own checksums don't cover texts, scalars and
+/// lists of variable length, on whose damage its library may crash. It ignores what follows a
+/// file's end.
 #pragma once
 
 #include <filesystem>
@@ -28,9 +25,8 @@ class DamagedFile : public InputError {
 /// they can't be read.
 bool has_intact_seal(const std::filesystem::path& path);
 
-/// Whether a file that was one of ours has lost what it held: its bytes don't match its checksum,
-/// or its end is missing. False for files of others, and where there is none. Throws Error when it
-/// can't be read.
+/// Whether a file of ours has lost what it held: its bytes don't match its checksum, or its end is
+/// missing. Throws Error when it can't be read.
 bool is_damaged(const std::filesystem::path& path);
 
 }  // namespace npdr::pipeline

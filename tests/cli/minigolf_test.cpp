@@ -18,10 +18,10 @@ class MinigolfStudy : public StudyRun {
   // A metric of a baseline point.
   static double baseline(const std::string& point, const std::string& metric) {
     const h5::File file = open("baseline.h5");
-    const std::vector<std::string> names = file.read_texts("name");
+    const std::vector<std::string> names = file.dataset("name").read<std::string>();
     const auto found = std::find(names.begin(), names.end(), point);
     EXPECT_NE(found, names.end()) << point;
-    return file.read_vector<double>(metric, Index(names.size()))(found - names.begin());
+    return file.dataset(metric).read<double>().at(std::size_t(found - names.begin()));
   }
 };
 
@@ -44,9 +44,9 @@ TEST_F(MinigolfStudy, TheTruthExplainsHeldOutRolloutsToo) {
 TEST_F(MinigolfStudy, MeasuresReferences) {
   EXPECT_NEAR(baseline("heavy", "held_out_rmse"), baseline("nominal", "held_out_rmse"), 1e-6);
   const h5::File file = open("npdr-maf/seed-1/round-2/evaluate.h5");
-  EXPECT_EQ(file.group("reference").read_texts("name"), std::vector<std::string>{"heavy"});
-  EXPECT_EQ(file.group("reference").read_vector<double>("log_prob", 1)(0),
-            file.read_scalar<double>("nominal_log_prob"));
+  EXPECT_EQ(file.dataset("reference/name").read<std::string>(), std::vector<std::string>{"heavy"});
+  EXPECT_EQ(file.dataset("reference/log_prob").read<double>(),
+            file.dataset("nominal_log_prob").read<double>());
 }
 
 TEST_F(MinigolfStudy, ReportsWhatItMeasured) {

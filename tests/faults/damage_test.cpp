@@ -155,7 +155,7 @@ TEST_F(Damage, NoFlippedByteGoesUnnoticed) {
   for (const auto& [name, path] : files) {
     const ArtefactInfo info = read_artefact_info(path);
     const Flips flips = flip(path, flip_step(), [&, path = path] {
-      const h5::File file = open_artefact(path, info.schema, info.key);
+      const h5::File file = open_artefact({path, info.key}, info.schema);
       return content_digest(path);
     });
     fmt::print("{}\n", flips.row(name));

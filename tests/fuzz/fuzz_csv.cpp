@@ -4,7 +4,7 @@
 #include "core/error.h"
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/feature_file.h"
-#include "pipeline/artefacts/sample_set.h"
+#include "pipeline/artefacts/outside_file.h"
 #include "pipeline/import/csv_import.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/input_bytes.h"
@@ -72,8 +72,10 @@ void fuzz_csv(std::string_view input, const std::filesystem::path& folder) {
     in_order_of(read_sample_set(path, "samples", 100), read_sample_set(path, "samples", 100));
   if (reader == observation) read_observation(path, {});
   if (reader == command_output) {
-    read_features(path, FileFormat::csv, 2, {{"a", "1"}, {"b", "1"}},
-                  {options.dt ? NamesFrom::observation : NamesFrom::nobody, true});
+    read_features(path, FileFormat::csv, 2,
+                  {.features = {{"a", "1"}, {"b", "1"}},
+                   .names_from = options.dt ? NamesFrom::observation : NamesFrom::nobody,
+                   .needs_line_ends = true});
   }
 }
 

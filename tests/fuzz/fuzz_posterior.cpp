@@ -1,9 +1,9 @@
 // Posterior files, which people hand to each other.
 #include "inference/estimators/ratio_estimator.h"
+#include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
-#include "pipeline/artefacts/usual_features_file.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/sealed_model.h"
 

@@ -1,8 +1,8 @@
 // HDF5 files that others made: recordings, datasets, samples, what commands write in place of x.
 #include "pipeline/artefacts/dataset_file.h"
 #include "pipeline/artefacts/feature_file.h"
+#include "pipeline/artefacts/outside_file.h"
 #include "pipeline/artefacts/recording.h"
-#include "pipeline/artefacts/sample_set.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/h5_model.h"
 
@@ -55,7 +55,7 @@ void fuzz_recording(std::string_view input, const std::filesystem::path& folder)
   model.edit(bytes);
   const std::filesystem::path path = folder / "a.h5";
   model.write(path);
-  if (reader == recording) content_hash(read_rollouts(h5::File::open(path)).target);
+  if (reader == recording) content_hash(read_rollouts(h5::File::open(path)));
   if (reader == own_channels) {
     read_rollouts(h5::File::open(path), Channels{{{"theta", "rad"}}, {{"u", "N m"}}});
   }

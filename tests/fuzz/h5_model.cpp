@@ -147,7 +147,7 @@ void write_numbers(h5::Dataset& dataset, const H5Value& value) {
 void write_dataset(h5::Group& group, const std::string& name, const H5Value& value) {
   h5::Dataset dataset = group.create_dataset(name, value.type, value.shape, {.chunked = false});
   if (value.is_hollow || size_of(value.shape) == 0) return;
-  if (is_text(value)) return dataset.write_texts(value.texts);
+  if (is_text(value)) return dataset.write(value.texts);
   if (value.type == ElementType::f32) return write_numbers<float>(dataset, value);
   if (value.type == ElementType::f64) return write_numbers<double>(dataset, value);
   if (value.type == ElementType::u8) return write_numbers<std::uint8_t>(dataset, value);
@@ -164,7 +164,7 @@ void write_attribute(h5::Object& object, const std::string& name, const H5Value&
 H5Value value_of(const h5::Dataset& dataset) {
   H5Value value{dataset.type(), dataset.shape(), {}, {}};
   if (is_text(value)) {
-    value.texts = dataset.read_texts();
+    value.texts = dataset.read<std::string>();
   } else if (value.type == ElementType::f32 || value.type == ElementType::f64) {
     value.numbers = dataset.read<double>();
   } else {

@@ -1,7 +1,7 @@
 #include "tests/fuzz/sealed_model.h"
 
 #include "core/error.h"
-#include "pipeline/store/content_key.h"
+#include "pipeline/store/hash.h"
 #include "pipeline/store/hostile_json.h"
 #include "pipeline/store/seal.h"
 #include "tests/temp_folder.h"

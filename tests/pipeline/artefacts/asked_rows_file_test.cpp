@@ -21,7 +21,7 @@ Identity posterior_of(const std::string& what) {
 
 class AskedRowsFile : public FolderTest {
  protected:
-  AskedRowsFile() { write_asked_rows(folder_.path(), posterior_, asked_); }
+  AskedRowsFile() { kAskedRowsSchema.write(file().path, posterior_, asked_); }
 
   ArtefactFile file() const { return {folder_ / asked_.file_name(), posterior_.key()}; }
 
@@ -52,7 +52,7 @@ TEST_F(AskedRowsFile, OfAnotherRefinementOrDamagedIsAnError) {
   EXPECT_TRUE(has(message({file().path, posterior_of("another").key()}), "key"));
   AskedRows odd = asked_;
   odd.shard_size = 0;
-  write_asked_rows(folder_.path(), posterior_, odd);
+  kAskedRowsSchema.write(folder_ / odd.file_name(), posterior_, odd);
   EXPECT_NE(odd.file_name(), asked_.file_name());
   EXPECT_TRUE(says(message({folder_ / odd.file_name(), posterior_.key()}),
                    {odd.file_name(), "in shards of 0", "must be from 0 to", "remove this file"}));

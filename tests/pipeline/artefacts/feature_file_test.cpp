@@ -16,13 +16,14 @@ class FeatureFiles : public FolderTest {
  protected:
   FeatureRows read(const std::string& text, Index num_rows,
                    const std::vector<Channel>& expected = kFeatures) const {
-    return read_features(folder_.file("x.csv", text), FileFormat::csv, num_rows, expected);
+    return read_features(folder_.file("x.csv", text), FileFormat::csv, num_rows,
+                         {.features = expected});
   }
   // What is said of a file that `fill` has written.
   template <class Fill>
   std::string hdf5_problem(const Fill& fill) const {
     const auto path = written_h5(folder_ / "x.h5", fill);
-    return problem([&] { read_features(path, FileFormat::hdf5, 2, kFeatures); });
+    return problem([&] { read_features(path, FileFormat::hdf5, 2, {.features = kFeatures}); });
   }
 };
 
@@ -39,8 +40,8 @@ TEST_F(FeatureFiles, NameThemselvesWhereNobodyElseHas) {
 TEST_F(FeatureFiles, WithNamesNeedAnObservationWithNames) {
   const auto problem_of = [&](const std::string& text, NamesFrom names_from = NamesFrom::nobody) {
     return problem([&] {
-      read_features(folder_.file("x.csv", text), FileFormat::csv, 1, numbered_features(2),
-                    {.names_from = names_from});
+      read_features(folder_.file("x.csv", text), FileFormat::csv, 1,
+                    {.features = numbered_features(2), .names_from = names_from});
     });
   };
   EXPECT_EQ(problem_of("x1,x0 [m]\n1,2\n"), "");
@@ -66,8 +67,8 @@ TEST_F(FeatureFiles, MustHaveTheRowsAndColumnsThatAreExpected) {
 TEST_F(FeatureFiles, ThatProgramsWriteMustEndTheirLastLine) {
   const auto problem_of = [&](const std::string& text) {
     return problem([&] {
-      read_features(folder_.file("x.csv", text), FileFormat::csv, 2, kFeatures,
-                    {.needs_line_ends = true});
+      read_features(folder_.file("x.csv", text), FileFormat::csv, 2,
+                    {.features = kFeatures, .needs_line_ends = true});
     });
   };
   EXPECT_EQ(problem_of("1,2\n3,4000\n"), "");
@@ -86,7 +87,10 @@ TEST_F(FeatureFiles, OfHdf5MustHoldTheDataset) {
                    {"x.h5: dataset 'x' has shape (3, 2)", "must be (2, any)"}));
   EXPECT_TRUE(
       says(hdf5_problem(zeros("x", 2, 3)), {"x.h5: dataset 'x': has 3 columns", "must have 2"}));
-  EXPECT_NE(hdf5_problem([](h5::File& file) { file.write_texts("x", {"a", "b"}); }), "");
+  EXPECT_NE(hdf5_problem([](h5::File& file) {
+              file.write("x", std::vector<std::string>{"a", "b"});
+            }),
+            "");
 }
 
 TEST_F(FeatureFiles, AnObservationIsOneFiniteRow) {

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "core/constants.h"
-#include "pipeline/artefacts/layout_tables.h"
 #include "tests/document_tables.h"
 #include "tests/pipeline/store/written_h5.h"
 #include "tests/temp_folder.h"

@@ -55,7 +55,10 @@ TEST(Recording, SurvivesARoundTrip) {
   expect_equal(read, target);
   EXPECT_EQ(content_hash(read), content_hash(target));
   const std::vector<std::string> labels = {"rollout", "time", "channel"};
-  EXPECT_EQ(h5::File::open(folder / "a.h5").dataset("states").dimension_labels(), labels);
+  EXPECT_EQ(h5::File::open(folder / "a.h5")
+                .dataset("states")
+                .attribute<std::vector<std::string>>("DIMENSION_LABELS"),
+            labels);
 }
 
 TEST(Recording, IsWrittenAsAWholeOrNotAtAll) {

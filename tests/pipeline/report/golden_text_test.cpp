@@ -17,7 +17,7 @@
 #include "pipeline/process/fitted_text.h"
 #include "pipeline/process/progress.h"
 #include "pipeline/run/run_progress.h"
-#include "pipeline/store/csv_line.h"
+#include "pipeline/store/number_table.h"
 #include "tests/golden_file.h"
 
 namespace npdr::pipeline {

@@ -4,9 +4,9 @@
 
 #include "inference/weighted_population.h"
 #include "pipeline/artefacts/particle_file.h"
-#include "pipeline/artefacts/proposal_file.h"
 #include "pipeline/artefacts/recording.h"
 #include "pipeline/artefacts/schemas.h"
+#include "pipeline/artefacts/simulation_file.h"
 #include "pipeline/config/study_reader.h"
 #include "pipeline/features/observation.h"
 #include "pipeline/features/simulation_features.h"
@@ -68,7 +68,7 @@ TEST_F(AbcStages, PopulationsGoFromRoundToRound) {
   run_until(plan, Stage::infer);
   const auto population = [&](const char* method, Index round) {
     const Node& node = plan.node(Stage::infer, {method, 1, round});
-    return read_population(open_artefact(node.path, kPosteriorSchema, node.key));
+    return read_population(open_artefact(node, kPosteriorSchema));
   };
   EXPECT_EQ(population("SMC", 1).theta.rows(), 40);
   EXPECT_LT(population("SMC", 2).epsilon, population("SMC", 1).epsilon);
@@ -129,7 +129,7 @@ TEST_F(AbcStages, FailedRowsAreNeverAccepted) {
     const Node& node = plan.node(Stage::infer, {method, 1, 1});
     run_stage(plan, node);
     const inference::AbcPopulation population =
-        read_population(open_artefact(node.path, kPosteriorSchema, node.key));
+        read_population(open_artefact(node, kPosteriorSchema));
     const PosteriorNotes notes = read_posterior_notes(node);
     EXPECT_GT(notes.rows.failed, 0);
     EXPECT_EQ(notes.rows.used + notes.rows.failed, 200);

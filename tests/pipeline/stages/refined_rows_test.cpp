@@ -111,7 +111,7 @@ TEST_F(RefinedRowsOfAStudy, HaveTheSameBitsInShards) {
 TEST_F(RefinedRowsOfAStudy, WhatIsAskedForIsSimulatedOnce) {
   SimulatedLikelihood likelihood(plan_, node_, {});
   const AskedRows asked{.first = 0, .shard_size = 17, .theta = RowMatrix::Constant(50, 2, 1.0)};
-  write_asked_rows(rows_, node_.identity, asked);
+  kAskedRowsSchema.write(rows_ / asked.file_name(), node_.identity, asked);
   RefinedRows helper(plan_, node_, likelihood, {1, 1});
   EXPECT_EQ(helper.help([](Index) {}), 50);
   EXPECT_EQ(helper.help([](Index) {}), 0);
@@ -131,7 +131,8 @@ TEST_F(RefinedRowsOfAStudy, WhatIsAskedForIsSimulatedOnce) {
   EXPECT_TRUE(fs::is_empty(rows_));
   AskedRows wanted = asked;
   wanted.rollouts = true;
-  write_asked_rows(rows_, node_.identity, {.first = 7, .theta = asked.theta});  // one was killed
+  const AskedRows killed{.first = 7, .theta = asked.theta};
+  kAskedRowsSchema.write(rows_ / killed.file_name(), node_.identity, killed);
   EXPECT_EQ(refinement.ask(wanted, [](Index) {})->rollouts.values, alone.values);
   EXPECT_TRUE(names_of_asked_rows(names()).empty()) << "nobody waits for anything";
 }
@@ -142,7 +143,7 @@ TEST_F(RefinedRowsOfAStudy, RowsThatAllFailAreLeftToTheRefinement) {
   RowMatrix theta = RowMatrix::Constant(40, 2, 1.0);
   theta.topRows(21).setConstant(-1.0);  // no pendulum
   const AskedRows asked{.first = 0, .shard_size = 20, .theta = theta};
-  write_asked_rows(rows_, node_.identity, asked);
+  kAskedRowsSchema.write(rows_ / asked.file_name(), node_.identity, asked);
   RefinedRows helper(plan_, node_, likelihood, {1, 1});
   EXPECT_EQ(helper.help([](Index) {}), 40);
   EXPECT_EQ(names().size(), 2u) << "the request, and the shard with rows that are possible";
@@ -164,7 +165,7 @@ TEST_F(RefinedRowsOfAStudy, CountTheirOwnWorkOnce) {
   next.ask(asked, [](Index) {});
   EXPECT_GT(next.cost_of_others().core_seconds, 0.0);
   next.forget(50);
-  write_asked_rows(rows_, node_.identity, asked);
+  kAskedRowsSchema.write(rows_ / asked.file_name(), node_.identity, asked);
   RefinedRows stopped(plan_, node_, likelihood, {0, 1}), helper(plan_, node_, likelihood, {1, 1});
   EXPECT_EQ(stopped.help([](Index) {}), 50);
   EXPECT_GT(stopped.unread_core_seconds(), 0.0);
@@ -175,7 +176,7 @@ TEST_F(RefinedRowsOfAStudy, CountTheirOwnWorkOnce) {
 
 TEST_F(RefinedRowsOfAStudy, SayWhatIsWrongWithThem) {
   AskedRows asked{.first = 0, .shard_size = 17, .theta = RowMatrix::Constant(50, 3, 1.0)};
-  write_asked_rows(rows_, node_.identity, asked);
+  kAskedRowsSchema.write(rows_ / asked.file_name(), node_.identity, asked);
   const fs::path right = rows_ / asked.file_name(), wrong = rows_ / "asked-0-40-a.h5";
   EXPECT_TRUE(says(error_of_helper(), {right, "of 3 parameters", "of 2", "remove this file"}));
   fs::rename(right, wrong);
@@ -184,7 +185,7 @@ TEST_F(RefinedRowsOfAStudy, SayWhatIsWrongWithThem) {
   EXPECT_TRUE(has(error_of_helper(), wrong));
   fs::remove(wrong);
   asked.theta = RowMatrix::Constant(50, 2, 1.0);
-  write_asked_rows(rows_, plan_.nodes.front().identity, asked);
+  kAskedRowsSchema.write(rows_ / asked.file_name(), plan_.nodes.front().identity, asked);
   EXPECT_TRUE(has(error_of_helper(), node_.key)) << "of another artefact";
 }
 

@@ -10,7 +10,7 @@
 #include "core/constants.h"
 #include "core/error.h"
 #include "pipeline/process/build_info.h"
-#include "pipeline/store/content_key.h"
+#include "pipeline/store/hash.h"
 #include "tests/file_size_limit.h"
 #include "tests/pipeline/store/written_h5.h"
 #include "tests/temp_folder.h"
@@ -33,10 +33,10 @@ void write_artefact(const std::filesystem::path& path, double value = 1.0,
                     const Schema& schema = kSchema, const Identity& made_from = identity()) {
   ArtefactWriter writer(path, schema, made_from);
   writer.file().write("theta", RowMatrix(RowMatrix::Constant(3, 2, value)));
-  writer.file().write_texts("names", {"a", "b"});
+  writer.file().write("names", std::vector<std::string>{"a", "b"});
   h5::Dataset seconds = writer.file().create_dataset("seconds", h5::ElementType::f64, {3});
   seconds.write_rows<double>(0, 3, std::vector<double>{1.0, 2.0, static_cast<double>(::getpid())});
-  mark_volatile(seconds);
+  seconds.set_attribute(kVolatile, Index{1});
   writer.finish();
 }
 
@@ -45,7 +45,7 @@ class Artefact : public FolderTest {
   Artefact() { write_artefact(path_); }
 
   std::string opening(const Schema& schema, const std::string& key = "") const {
-    return problem([&] { open_artefact(path_, schema, key); });
+    return problem([&] { open_artefact({path_, key}, schema); });
   }
 
   std::filesystem::path path_ = folder_ / "a.h5";
@@ -68,7 +68,7 @@ TEST_F(Artefact, SaysWhatItIsAndWhereItComesFrom) {
   EXPECT_EQ(info.provenance.host, host_name());
   EXPECT_EQ(info.provenance.created.size(), std::string("2024-03-01T12:00:00Z").size());
   EXPECT_GT(info.provenance.cost.wall_seconds, 0.0);
-  const h5::File file = open_artefact(path_, kSchema, identity().key());
+  const h5::File file = open_artefact({path_, identity().key()}, kSchema);
   EXPECT_EQ(file.read_matrix<double>("theta").rows(), 3);
 }
 
@@ -128,7 +128,7 @@ TEST_F(Artefact, DigestIgnoresWhoMadeItWhenAndHowItIsStored) {
   Identity other = identity();
   other.study = Json::parse(R"({"study":{"name":"the same, with another title"}})");
   ArtefactWriter writer(folder_ / "b.h5", kSchema, other);
-  writer.file().write_texts("names", {"a", "b"});
+  writer.file().write("names", std::vector<std::string>{"a", "b"});
   writer.file().write("theta", RowMatrix(RowMatrix::Ones(3, 2)), {.chunked = false});
   writer.finish();
   EXPECT_EQ(content_digest(path_), content_digest(folder_ / "b.h5"));
@@ -143,7 +143,7 @@ TEST(ContentDigest, DependsOnNamesShapesTypesTextsAndAttributes) {
     return [=](h5::File& f) { f.write(name, values); };
   };
   const auto texts = [](const std::vector<std::string>& values) {
-    return [=](h5::File& f) { f.write_texts("a", values); };
+    return [=](h5::File& f) { f.write("a", values); };
   };
   const auto attribute = [](const auto& value) {
     return [=](h5::File& f) { f.set_attribute("a", value); };
@@ -179,7 +179,7 @@ TEST(ContentDigest, ReadsLargeDatasetsInBlocks) {
         written_h5(folder / "a.h5", [&](h5::File& f) { f.write("a", values, storage); }));
   };
   const std::string whole = digest({.deflate = 0});
-  EXPECT_EQ(digest({.deflate = 0, .rows_per_chunk = 7}), whole);
+  EXPECT_EQ(digest({.chunked = false}), whole);
   values(2999, 999) += 1.0f;
   EXPECT_NE(digest({.deflate = 0}), whole);
 }

@@ -160,8 +160,9 @@ TEST_F(Netcdf, EveryAxisHasTheScaleOfItsName) {
     EXPECT_GT(H5DSis_attached(x.id(), scale.id(), axis), 0);
   }
   EXPECT_EQ(H5DSis_attached(x.id(), group.dataset("name").id(), 0), 0);
-  EXPECT_EQ(group.dataset("name").read_texts(), (std::vector<std::string>{"a", "\u00e4", ""}));
-  EXPECT_EQ(group.read_scalar<double>("dt"), 0.5);
+  EXPECT_EQ(group.dataset("name").read<std::string>(),
+            (std::vector<std::string>{"a", "\u00e4", ""}));
+  EXPECT_EQ(group.dataset("dt").read<double>(), std::vector<double>{0.5});
 }
 
 TEST_F(Netcdf, NamesThatItForbidsAreReplaced) {

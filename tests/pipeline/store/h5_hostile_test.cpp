@@ -182,7 +182,7 @@ TEST_F(HostileH5, TextsOfFixedLengthAreTrimmed) {
       H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data());
       H5Dclose(dataset);
     });
-    EXPECT_EQ(File::open(folder_ / "a.h5").read_texts("x"),
+    EXPECT_EQ(File::open(folder_ / "a.h5").dataset("x").read<std::string>(),
               (std::vector<std::string>{"ab", "abcd"}));
   }
 }
@@ -194,7 +194,8 @@ TEST_F(HostileH5, BigEndianNumbersAreRead) {
     H5Dwrite(dataset, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
     H5Dclose(dataset);
   });
-  EXPECT_EQ(File::open(folder_ / "a.h5").read_vector<double>("x"), Vector({{1.5, -2.0}}));
+  EXPECT_EQ(File::open(folder_ / "a.h5").dataset("x").read<double>(),
+            (std::vector<double>{1.5, -2.0}));
 }
 
 }  // namespace

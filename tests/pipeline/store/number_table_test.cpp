@@ -4,7 +4,6 @@
 
 #include "core/error.h"
 #include "core/feature_names.h"
-#include "pipeline/store/csv_line.h"
 #include "pipeline/store/number_table.h"
 #include "tests/temp_folder.h"
 

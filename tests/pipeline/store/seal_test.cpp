@@ -22,7 +22,7 @@ class Seal : public FolderTest {
     Identity identity;
     identity.key_document["a"] = 1;
     ArtefactWriter writer(folder_ / "a.h5", kSealedSchema, identity);
-    writer.file().write_text("text", "a text has no checksum in HDF5");
+    writer.file().write("text", std::vector<std::string>{"a text has no checksum in HDF5"});
     writer.finish();
     return text_of(folder_ / "a.h5");
   }
@@ -50,7 +50,8 @@ TEST_F(Seal, FindsAChangedByteWhereHdf5HasNoChecksum) {
   ASSERT_NE(at, std::string::npos);
   bytes[at] = 'N';
   EXPECT_EQ(opening(bytes), "a.h5: is damaged: its bytes don't match its checksum");
-  EXPECT_EQ(h5::File::open(folder_ / "a.h5").read_text("text"), "a text has No checksum in HDF5")
+  EXPECT_EQ(h5::File::open(folder_ / "a.h5").dataset("text").read<std::string>().front(),
+            "a text has No checksum in HDF5")
       << "or there is no need for seals";
 }
 

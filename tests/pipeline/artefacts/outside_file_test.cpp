@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "pipeline/artefacts/dataset_file.h"
-#include "pipeline/artefacts/sample_set.h"
+#include "pipeline/artefacts/outside_file.h"
 #include "pipeline/sources/source.h"
 #include "pipeline/store/h5.h"
 #include "tests/pipeline/store/written_h5.h"
@@ -72,8 +72,9 @@ TEST_F(SampleSets, OfALongFileAllPartsHaveTheirShare) {
 TEST_F(SampleSets, StudiesAndPosteriorsAreNone) {
   EXPECT_TRUE(says(problem([&] { read(folder_.file("s.toml", "[study]\n")); }),
                    {"s.toml: is a study, must be samples", "npdr sample"}));
-  const auto posterior = written_h5(
-      folder_ / "infer.h5", [](h5::File& file) { file.set_attribute("schema", "posterior"); });
+  const auto posterior = written_h5(folder_ / "infer.h5", [](h5::File& file) {
+    file.set_attribute("schema", kPosteriorSchema.name);
+  });
   EXPECT_TRUE(says(problem([&] { read(posterior); }),
                    {"infer.h5: is a posterior, must be samples: npdr sample "}));
 }
