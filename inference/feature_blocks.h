@@ -10,6 +10,9 @@
 
 namespace npdr::inference {
 
+/// Simulations that are looked at for properties of features which few rows tell.
+inline constexpr Index kFirstRows = 2000;
+
 /// Calls `body(begin, rows)` for blocks of the first `num_rows` rows of x, as they are in epoch 0:
 /// `rows` (500 or fewer, F) are those from number `begin` on.
 template <class Body>

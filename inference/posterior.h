@@ -47,6 +47,10 @@ class Posterior {
   /// The theta (D) with the largest posterior density: the best of 1000 samples, refined by NLopt
   /// (Rowan 1990, subplex) in the space where the prior is N(0, I).
   virtual Vector map(const StreamId& id) const;
+
+ protected:
+  /// The best of them, (D).
+  Vector best_sample(const StreamId& id) const;
 };
 
 }  // namespace npdr::inference
