@@ -92,8 +92,8 @@ DirectPosterior untrained(const Network& n) {
     marginals.push_back({"theta_" + std::to_string(d), "1", Marginal::Kind::uniform, 0.0, 1.0});
   }
   NetworkParts parts{.prior = Prior(marginals),
+                     .of_role = DirectParts{.embedding = n.embedding},
                      .estimator = n.estimator,
-                     .embedding = n.embedding,
                      .structure_seed = 1,
                      .transform = {VectorF::Zero(n.x_features), VectorF::Ones(n.x_features), {}},
                      .parameters = {},

@@ -58,9 +58,7 @@ constexpr Coefficients kTailDenominator = {1.0,
 
 }  // namespace
 
-double log_normal_density(double u) {
-  return -0.5 * u * u - 0.5 * std::log(2.0 * std::numbers::pi);
-}
+double log_normal_density(double u) { return -0.5 * u * u - 0.5 * kLogTwoPi; }
 
 double normal_cdf(double u) { return 0.5 * std::erfc(-u / std::numbers::sqrt2); }
 

@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "core/eigen_kernels.h"
+
 namespace npdr {
 
 template <typename Scalar>

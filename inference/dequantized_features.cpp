@@ -9,10 +9,9 @@
 namespace npdr::inference {
 
 std::vector<Index> integer_features(const FeatureSource& x) {
-  constexpr Index most_rows = 2000;
   std::vector<Index> integers(static_cast<std::size_t>(x.num_features()));
   std::iota(integers.begin(), integers.end(), Index{0});
-  for_each_block(x, std::min(most_rows, x.num_rows()), [&](Index, const RowMatrixF& rows) {
+  for_each_block(x, std::min(kFirstRows, x.num_rows()), [&](Index, const RowMatrixF& rows) {
     std::erase_if(integers, [&](Index f) {
       return (rows.col(f).array() != rows.col(f).array().round()).any();
     });

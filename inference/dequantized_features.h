@@ -15,7 +15,7 @@
 
 namespace npdr::inference {
 
-/// Numbers of the features that are integers in each of the first 2000 rows, ascending.
+/// Numbers of the features that are integers in each of the first kFirstRows rows, ascending.
 std::vector<Index> integer_features(const FeatureSource& x);
 
 /// x (N, F) with such noise on its integer features, drawn anew in each epoch: a function of seed,

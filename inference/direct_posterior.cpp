@@ -19,10 +19,11 @@ EmbeddedEstimator<float> make_network(const EstimatorConfig& config, Index num_i
 
 EmbeddedEstimator<float> make_network(const NetworkParts& parts) {
   const Index dimension = parts.prior.dimension(), features = parts.transform.num_outputs();
-  if (parts.role == NetworkRole::likelihood) {
-    return make_network(parts.estimator, dimension, {}, features, parts.structure_seed);
+  if (const auto* const direct = std::get_if<DirectParts>(&parts.of_role)) {
+    return make_network(parts.estimator, features, direct->embedding, dimension,
+                        parts.structure_seed);
   }
-  return make_network(parts.estimator, features, parts.embedding, dimension, parts.structure_seed);
+  return make_network(parts.estimator, dimension, {}, features, parts.structure_seed);
 }
 
 DirectPosterior::DirectPosterior(NetworkParts given) : NetworkPosterior(std::move(given)) {
@@ -33,17 +34,17 @@ DirectPosterior::DirectPosterior(NetworkParts given) : NetworkPosterior(std::mov
   require_weights(parts(), members_.front().network.num_parameters());
   parts().transform.apply(parts().x_o.transpose(), z_);
   if (parts().estimator.kind == EstimatorKind::mdn) mixture_ = mixture_of_networks();
-  if (!parts().proposal) return;
-  if (!mixture_ || members_.size() > 1 || parts().proposal->dimension() != prior().dimension()) {
+  if (!proposal()) return;
+  if (!mixture_ || members_.size() > 1 || proposal()->dimension() != prior().dimension()) {
     throw ShapeError(
         "posterior: only one network's mixture can be divided by a proposal of its dimension");
   }
-  mixture_ = corrected_for_proposal(*mixture_, *parts().proposal);
+  mixture_ = corrected_for_proposal(*mixture_, *proposal());
 }
 
 // Rows of one network lie in blocks; then each of M samples is of another network, in random order.
 Samples DirectPosterior::draw(Index n, const StreamId& id) const {
-  if (parts().proposal) return {prior().to_theta(mixture_->sample(n, id))};
+  if (proposal()) return {prior().to_theta(mixture_->sample(n, id))};
   const Index networks = std::ssize(members_), rows = kBlockRows * networks;
   const Index groups = (n + rows - 1) / rows;
   RowMatrixF drawn(groups * rows, prior().dimension());
@@ -88,8 +89,7 @@ Vector DirectPosterior::networks_log_prob(const RowMatrixF& u) const {
 
 Vector DirectPosterior::log_prob(const RowMatrix& theta) const {
   const RowMatrix u = prior().to_normal(theta);
-  const Vector log_prob =
-      parts().proposal ? mixture_->log_prob(u) : networks_log_prob(u.cast<float>());
+  const Vector log_prob = proposal() ? mixture_->log_prob(u) : networks_log_prob(u.cast<float>());
   return log_prob + prior().log_det_to_normal(theta);
 }
 

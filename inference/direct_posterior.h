@@ -29,6 +29,9 @@ class DirectPosterior : public NetworkPosterior {
     Parameters<float> weights;
   };
 
+  const std::optional<GaussianMixture>& proposal() const {
+    return std::get<DirectParts>(parts().of_role).proposal;
+  }
   GaussianMixture mixture_of(const Member& member) const;
   GaussianMixture mixture_of_networks() const;
   Vector networks_log_prob(const RowMatrixF& u) const;

@@ -19,15 +19,13 @@ std::uint64_t seed_of_network(std::uint64_t seed, Index m) {
 NetworkParts network_of(const NetworkParts& parts, Index m) {
   const Index size = parts.parameters.size() / parts.estimator.num_networks;
   NetworkParts one{.prior = parts.prior,
-                   .role = parts.role,
+                   .of_role = parts.of_role,
                    .estimator = parts.estimator,
-                   .embedding = parts.embedding,
                    .structure_seed = seed_of_network(parts.structure_seed, m),
                    .transform = parts.transform,
                    .parameters = parts.parameters.segment(m * size, size),
-                   .x_o = parts.x_o,
-                   .proposal = parts.proposal,
-                   .sampler = parts.sampler};
+                   .x_o = parts.x_o};
+  if (auto* const direct = std::get_if<DirectParts>(&one.of_role)) direct->likelihood.reset();
   one.estimator.num_networks = 1;
   return one;
 }

@@ -17,8 +17,8 @@ namespace npdr::inference {
 /// Seed of what is random in network m = 0, 1, ... and its training; the first has that of all.
 std::uint64_t seed_of_network(std::uint64_t seed, Index m);
 
-/// The parts of network m alone: as if its ensemble were one. Without weights where `parts` has
-/// none.
+/// The parts of network m alone: as if its ensemble were one, without a likelihood. Without weights
+/// where `parts` has none.
 NetworkParts network_of(const NetworkParts& parts, Index m);
 
 /// The networks' weights, one after the other, as an ensemble's parts hold them.

@@ -12,6 +12,8 @@ namespace npdr::inference {
 
 /// Rows of a block, at most.
 inline constexpr Index kRowsOfBlock = 500;
+/// Simulations that are looked at for properties of features which few rows tell.
+inline constexpr Index kFirstRows = 2000;
 
 /// Calls `body(begin, rows)` for blocks of the first `num_rows` rows of x, as they are in epoch 0:
 /// `rows` (kRowsOfBlock or fewer, F) are those from number `begin` on.

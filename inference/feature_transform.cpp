@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/constants.h"
 #include "core/decompositions.h"
 #include "core/error.h"
 #include "core/matrix_blocking.h"
@@ -14,9 +15,9 @@
 namespace npdr::inference {
 namespace {
 
-constexpr Index kFirstRows = 2000;
-constexpr float kUsualRanges = 20.0f;
-constexpr float kRounding = 1e-6f;  // of a constant feature
+constexpr float kUsualRanges = 20.0f;  // beyond the usual one, until values are clamped
+constexpr double kNearlyAll = 0.99;    // share of one value, above which a feature hardly varies
+constexpr auto kRounding = static_cast<float>(kFloatRounding);  // of a constant feature
 
 /// Bounds of what is usual, column by column, (F + K).
 struct Bounds {
@@ -247,11 +248,10 @@ FeatureTransform selected_outputs(const FeatureTransform& transform,
 }
 
 std::vector<Index> varying_features(const std::vector<Index>& features, const FeatureSource& x) {
-  constexpr double nearly_all = 0.99;
   const RowMatrixF first = first_rows(x);
   std::vector<Index> varying = features;
   std::erase_if(varying, [&](Index f) {
-    return largest_share({first.col(f).begin(), first.col(f).end()}) > nearly_all;
+    return largest_share({first.col(f).begin(), first.col(f).end()}) > kNearlyAll;
   });
   return varying.empty() ? features : varying;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/quantile.h"
 #include "core/types.h"
 
@@ -10,15 +11,16 @@ namespace npdr::inference {
 namespace {
 
 constexpr std::size_t kFewestValues = 100;
-constexpr double kLeastGain = 0.2;    // nats
+constexpr double kLeastGain = 0.2;    // [nats] of each value
 constexpr int kHalvings = 7;          // of the share of distances
-constexpr double kStrays = 0.01;      // of distances, too small to be a scale
-constexpr double kHeavy = 2.0;        // of the whole range to the usual one
-constexpr double kWide = 30.0;        // of magnitudes
-constexpr double kFewOfOther = 0.05;  // values of the other sign
-constexpr double kOutliers = 0.002;   // at either end
+constexpr double kStrays = 0.01;      // share of distances, too small to be a scale
+constexpr double kHeavy = 2.0;        // ratio of the whole range to the usual one
+constexpr double kWide = 30.0;        // ratio of the usual magnitudes
+constexpr double kFewOfOther = 0.05;  // share of values of the other sign
+constexpr double kOutliers = 0.002;   // share at either end
 constexpr double kSmallest = 1e-30;   // scale
-constexpr double kRounding = 1e-6;    // of numbers near the center
+constexpr double kTail = 0.05;        // beyond the usual range, at either end
+constexpr double kFarTail = 0.005;    // beyond the whole range
 
 double log_deviation(const Eigen::ArrayXd& values) {
   return 0.5 * std::log((values - values.mean()).square().mean());
@@ -58,7 +60,7 @@ class Search {
     Eigen::ArrayXd values(std::ssize(distances));
     std::ranges::copy_if(usual_, values.begin(), [&](double v) { return v != center; });
     const double before = -log_deviation(values);
-    const double least = std::max({kSmallest, kRounding * std::abs(center),
+    const double least = std::max({kSmallest, kFloatRounding * std::abs(center),
                                    distances.back() / Compression::kLargestRatio,
                                    lower_quantile(distances, kStrays)});
     for (int k = 0; k <= kHalvings; ++k) {
@@ -85,7 +87,7 @@ bool is_of_one_sign(const std::vector<double>& values) {
 
 bool is_wide(const std::vector<double>& magnitudes) {
   return !magnitudes.empty() &&
-         lower_quantile(magnitudes, 0.95) >= kWide * lower_quantile(magnitudes, 0.05);
+         lower_quantile(magnitudes, 1.0 - kTail) >= kWide * lower_quantile(magnitudes, kTail);
 }
 
 }  // namespace
@@ -94,8 +96,8 @@ std::optional<Compression> compression_of(std::vector<float> values) {
   if (values.size() < kFewestValues) return std::nullopt;
   std::ranges::sort(values);
   const std::vector<double> sorted(values.begin(), values.end());
-  const double low = lower_quantile(sorted, 0.05), high = lower_quantile(sorted, 0.95);
-  const double whole = lower_quantile(sorted, 0.995) - lower_quantile(sorted, 0.005);
+  const double low = lower_quantile(sorted, kTail), high = lower_quantile(sorted, 1.0 - kTail);
+  const double whole = lower_quantile(sorted, 1.0 - kFarTail) - lower_quantile(sorted, kFarTail);
   const bool is_heavy = whole > 0.0 && whole >= kHeavy * (high - low);
   Search search(sorted);
   if (is_heavy) {

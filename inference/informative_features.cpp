@@ -10,8 +10,9 @@ namespace npdr::inference {
 namespace {
 
 constexpr Index kMostRows = 10'000;
-constexpr double kFarthest = 3.0;
-constexpr double kStandardErrors = 5.0;
+constexpr double kFarthest = 3.0;         // deviations
+constexpr double kStandardErrors = 5.0;   // of a correlation
+constexpr double kLeastVariance = 1e-12;  // of a standardized feature that varies, or its square
 
 // The columns of z and their squares.
 RowMatrix with_squares(const RowMatrix& z) {
@@ -53,7 +54,7 @@ std::vector<Index> informative_features(const FeatureSource& x, const FeatureTra
   // |products / n| / deviation > 5 / sqrt(n), as targets have mean 0 and variance 1.
   const Eigen::ArrayXd largest = products.cwiseAbs().rowwise().maxCoeff().array();
   const auto tells = [&](Index k) {
-    return largest(k) > kStandardErrors * std::sqrt(count * std::max(variance(k), 1e-12));
+    return largest(k) > kStandardErrors * std::sqrt(count * std::max(variance(k), kLeastVariance));
   };
   std::vector<Index> informative;
   for (Index j = 0; j < features; ++j) {

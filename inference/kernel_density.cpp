@@ -1,7 +1,6 @@
 #include "inference/kernel_density.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "core/constants.h"
 #include "core/decompositions.h"
@@ -14,6 +13,7 @@ namespace npdr::inference {
 namespace {
 
 constexpr double kSmallestVariance = 1e-9;  // of the kernel along any direction, over the largest
+constexpr double kRounding = 1e-12;         // of a column that doesn't vary, over its largest value
 
 std::vector<Index> finite_rows(const RowMatrix& points) {
   std::vector<Index> rows;
@@ -24,7 +24,7 @@ std::vector<Index> finite_rows(const RowMatrix& points) {
 }
 
 bool varies(const Eigen::Ref<const Vector>& column) {
-  return column.maxCoeff() - column.minCoeff() > 1e-12 * column.cwiseAbs().maxCoeff();
+  return column.maxCoeff() - column.minCoeff() > kRounding * column.cwiseAbs().maxCoeff();
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ KernelDensity::KernelDensity(const RowMatrix& all, const Vector& all_weights)
   const double bandwidth = std::pow(effective_size(weights), -1.0 / static_cast<double>(d + 4));
   factor_ = bandwidth *
             Cholesky(correlation + kSmallestVariance * Eigen::MatrixXd::Identity(d, d)).lower();
-  log_constant_ = -0.5 * static_cast<double>(d) * std::log(2.0 * std::numbers::pi) -
+  log_constant_ = -0.5 * static_cast<double>(d) * kLogTwoPi -
                   factor_.diagonal().array().log().sum() - scale_.array().log().sum();
   centers_ = whitened(points);
   log_weights_ = (weights / weights.sum()).array().log();

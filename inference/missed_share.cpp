@@ -56,7 +56,8 @@ double missed_share(const RowMatrix& u,
   const WeightedPopulation of_pi(drawn,
                                  (log_pi - log_sum_exp_of_terms(mixed)).array() + std::log(2.0));
   if (!of_pi.has_weight()) return 0.0;
-  const double least = of_pi.log_mean_weight() + kNothing + kNothingOfDimension * dimension;
+  const double least =
+      of_pi.log_mean_weight() + kNothing + kNothingOfDimension * static_cast<double>(dimension);
   const auto is_missed = (log_pi - log_q).array() > least;
   const Vector weights = of_pi.weights();
   return is_missed.select(weights.array(), 0.0).sum() / weights.sum();

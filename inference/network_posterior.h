@@ -3,6 +3,8 @@
 
 #include <memory>
 #include <optional>
+#include <variant>
+
 #include "core/enum_names.h"
 #include "inference/estimators/estimator_config.h"
 #include "inference/estimators/gaussian_mixture.h"
@@ -45,21 +47,37 @@ struct PooledLikelihood {
   PoolPowers powers = {};
 };
 
+/// Parts of a network in the role of a posterior.
+struct DirectParts {
+  TrainedEmbeddingConfig embedding = {};
+  /// Proposal of the simulations that a mixture saw, which it must still be divided by (NPE-A).
+  std::optional<GaussianMixture> proposal = {};
+  std::optional<PooledLikelihood> likelihood = {};
+};
+
+/// Parts of a network in the role of a likelihood or of a ratio.
+struct SurrogateParts {
+  bool is_ratio = false;
+  SamplerConfig sampler = {};
+};
+
+using RoleParts = std::variant<DirectParts, SurrogateParts>;
+/// The usual parts of a role.
+RoleParts role_parts(NetworkRole role);
+
 /// Everything that such a posterior consists of: what a file must hold.
 struct NetworkParts {
   Prior prior;
-  NetworkRole role = NetworkRole::posterior;
+  RoleParts of_role = DirectParts{};
   EstimatorConfig estimator;
-  TrainedEmbeddingConfig embedding = {};  ///< role posterior only
   std::uint64_t structure_seed = 0;
   FeatureTransform transform;
   Parameters<float> parameters;
   VectorF x_o;  ///< (F), not transformed
-  /// Proposal of the simulations that the network saw, where its answer must still be divided by
-  /// it (NPE-A); role posterior of a mixture only.
-  std::optional<GaussianMixture> proposal = {};
-  SamplerConfig sampler = {};                       ///< roles likelihood and ratio only
-  std::optional<PooledLikelihood> likelihood = {};  ///< role posterior only
+
+  NetworkRole role() const;
+  /// Null unless the role is that of a posterior, which is pooled.
+  const PooledLikelihood* pooled_likelihood() const;
 };
 
 class NetworkPosterior : public Posterior {

@@ -82,11 +82,7 @@ Vector ParticlePosterior::log_prob(const RowMatrix& theta) const {
 
 Vector ParticlePosterior::map(const StreamId& id) const {
   if (parts_.space == ParticleSpace::normal_prior) return Posterior::map(id);
-  constexpr Index num_candidates = 1000;
-  const RowMatrix candidates = sample(num_candidates, id);
-  Index best = 0;
-  log_prob(candidates).maxCoeff(&best);
-  return candidates.row(best).transpose();
+  return best_sample(id);
 }
 
 }  // namespace npdr::inference

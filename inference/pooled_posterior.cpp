@@ -29,12 +29,8 @@ constexpr PoolPowers kPosteriorAlone = {};
 
 // Parts that a file holds may be anything.
 NetworkParts checked(NetworkParts parts) {
-  if (parts.role != NetworkRole::posterior) {
-    throw ShapeError("pool: its networks' role is '" + std::string(name_of(parts.role)) +
-                     "', must be 'posterior'");
-  }
   const Index networks = parts.estimator.num_networks;
-  const Index likelihoods = parts.likelihood->estimator.num_networks;
+  const Index likelihoods = parts.pooled_likelihood()->estimator.num_networks;
   if (likelihoods != networks) {
     throw ShapeError("pool: " + std::to_string(likelihoods) + " networks of the likelihood, must " +
                      "be " + std::to_string(networks) + ", as many as the posterior's");
@@ -58,17 +54,16 @@ struct PooledPosterior::Known {
 };
 
 NetworkParts posterior_parts(NetworkParts parts) {
-  parts.likelihood.reset();
+  std::get<DirectParts>(parts.of_role).likelihood.reset();
   return parts;
 }
 
 NetworkParts likelihood_parts(NetworkParts parts) {
-  parts.role = NetworkRole::likelihood;
-  parts.embedding = {};
-  parts.estimator = parts.likelihood->estimator;
-  parts.transform = std::move(parts.likelihood->transform);
-  parts.parameters = std::move(parts.likelihood->parameters);
-  parts.likelihood.reset();
+  PooledLikelihood likelihood = *std::move(std::get<DirectParts>(parts.of_role).likelihood);
+  parts.of_role = role_parts(NetworkRole::likelihood);
+  parts.estimator = likelihood.estimator;
+  parts.transform = std::move(likelihood.transform);
+  parts.parameters = std::move(likelihood.parameters);
   return parts;
 }
 
@@ -99,7 +94,7 @@ PoolPowers PooledPosterior::usable_powers() const {
   const StreamId id{parts().structure_seed, "pool_powers", 0, 0, 0};
   const RowMatrix draws = posterior_.sample(kCandidates, id);
   const PoolEvidence evidence = this->evidence(draws);
-  const PoolPowers wanted = parts().likelihood->powers;
+  const PoolPowers wanted = parts().pooled_likelihood()->powers;
   const auto part_of_way = [&](double part) {
     return PoolPowers{1.0 + part * (wanted.posterior - 1.0), part * wanted.likelihood};
   };

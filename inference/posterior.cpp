@@ -9,17 +9,21 @@
 
 namespace npdr::inference {
 
-Vector Posterior::map(const StreamId& id) const {
-  constexpr Index num_starts = 1000;
-  constexpr int max_evaluations = 3000;
-  constexpr double farthest = 8.0;  // |u| within which the prior has all of its mass
-  const RowMatrix starts = sample(num_starts, id);
+Vector Posterior::best_sample(const StreamId& id) const {
+  constexpr Index num_samples = 1000;
+  const RowMatrix theta = sample(num_samples, id);
   Index best = 0;
-  if (!std::isfinite(numbers(relative_log_prob(starts)).maxCoeff(&best))) {
+  if (!std::isfinite(numbers(relative_log_prob(theta)).maxCoeff(&best))) {
     throw Error("posterior: its density is no number above 0 at any of its samples");
   }
-  const Index d = starts.cols();
-  const Vector start = prior().to_normal(starts.middleRows(best, 1)).row(0).transpose();
+  return theta.row(best).transpose();
+}
+
+Vector Posterior::map(const StreamId& id) const {
+  constexpr int max_evaluations = 3000;
+  constexpr double farthest = 8.0;  // |u_d|, which the prior's is beyond with probability 1e-15
+  const RowMatrix start = prior().to_normal(best_sample(id).transpose());
+  const Index d = start.cols();
 
   nlopt::opt search(nlopt::LN_SBPLX, static_cast<unsigned>(d));
   search.set_lower_bounds(-farthest);
@@ -37,7 +41,7 @@ Vector Posterior::map(const StreamId& id) const {
     return std::isfinite(value) ? value : std::numeric_limits<double>::lowest();
   };
   search.set_max_objective(objective, const_cast<Posterior*>(this));
-  std::vector<double> u(start.begin(), start.end());
+  std::vector<double> u(start.data(), start.data() + d);
   for (double& value : u) value = std::clamp(value, -farthest, farthest);
   double value = 0.0;
   search.optimize(u, value);

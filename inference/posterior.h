@@ -48,6 +48,10 @@ class Posterior {
   /// (Rowan 1990, subplex) in the space where the prior is N(0, I). Throws Error where the density
   /// is no number at any of them.
   virtual Vector map(const StreamId& id) const;
+
+ protected:
+  /// The best of them, (D).
+  Vector best_sample(const StreamId& id) const;
 };
 
 }  // namespace npdr::inference

@@ -23,12 +23,11 @@ struct SurrogatePosterior::Normalizer {
 SurrogatePosterior::SurrogatePosterior(NetworkParts given)
     : NetworkPosterior(std::move(given)), normalizer_(std::make_unique<Normalizer>()) {
   for (Index m = 0; m < parts().estimator.num_networks; ++m) members_.push_back(make_member(m));
-  const Member& first = members_.front();
-  if (first.ratio && members_.size() > 1) {
+  if (parts().role() == NetworkRole::ratio && members_.size() > 1) {
     throw ShapeError("posterior: ratios are known up to a constant, and can't be averaged");
   }
-  require_weights(parts(),
-                  first.ratio ? first.ratio->num_parameters() : first.likelihood->num_parameters());
+  require_weights(parts(), std::visit([](const auto& n) { return n.num_parameters(); },
+                                      members_.front().network));
   parts().transform.apply(parts().x_o.transpose(), z_);
   z_rows_ = z_.replicate(kBlockRows, 1);
 }
@@ -37,25 +36,22 @@ SurrogatePosterior::~SurrogatePosterior() = default;
 
 SurrogatePosterior::Member SurrogatePosterior::make_member(Index m) const {
   NetworkParts one = network_of(parts(), m);
-  Member member;
-  if (one.role == NetworkRole::likelihood) {
-    member.likelihood = std::make_unique<const EmbeddedEstimator<float>>(make_network(one));
-  } else {
-    member.ratio = std::make_unique<const RatioEstimator<float>>(one.estimator, prior().dimension(),
-                                                                 one.transform.num_outputs());
+  if (one.role() == NetworkRole::likelihood) {
+    return {make_network(one), std::move(one.parameters)};
   }
-  member.weights = std::move(one.parameters);
-  return member;
+  return {RatioEstimator<float>(one.estimator, prior().dimension(), one.transform.num_outputs()),
+          std::move(one.parameters)};
 }
 
 void SurrogatePosterior::evaluate(const Member& member, const RowMatrixF& u,
                                   VectorF& values) const {
-  if (member.ratio) {
+  if (const auto* const ratio = std::get_if<RatioEstimator<float>>(&member.network)) {
     RatioScratch<float> scratch;
-    member.ratio->logits(member.weights, u, z_, scratch, values);
+    ratio->logits(member.weights, u, z_, scratch, values);
   } else {
-    auto scratch = member.likelihood->make_scratch();
-    member.likelihood->log_prob(member.weights, z_rows_, u, scratch, values);
+    const auto& likelihood = std::get<EmbeddedEstimator<float>>(member.network);
+    auto scratch = likelihood.make_scratch();
+    likelihood.log_prob(member.weights, z_rows_, u, scratch, values);
   }
 }
 
@@ -80,16 +76,19 @@ Vector SurrogatePosterior::log_density(const RowMatrix& u) const {
 }
 
 Samples SurrogatePosterior::draw(Index n, const StreamId& id) const {
-  const SamplerConfig& sampler = parts().sampler;
-  if (sampler.kind == SamplerKind::importance) return draw_by_importance(n, id);
+  const SamplerConfig& sampler = std::get<SurrogateParts>(parts().of_role).sampler;
+  if (sampler.kind == SamplerKind::importance) {
+    return draw_by_importance(n, sampler.num_candidates, id);
+  }
   TemperedDraws draws = sample_tempered([&](const RowMatrix& u) { return surrogate(u); },
                                         prior().dimension(), n, sampler, id);
   return {prior().to_theta(draws.u), std::move(draws.report)};
 }
 
-Samples SurrogatePosterior::draw_by_importance(Index n, const StreamId& id) const {
-  RowMatrix points = draw_standard_normal(parts().sampler.num_candidates, prior().dimension(),
-                                          within(id, "candidates"));
+Samples SurrogatePosterior::draw_by_importance(Index n, Index num_points,
+                                               const StreamId& id) const {
+  RowMatrix points =
+      draw_standard_normal(num_points, prior().dimension(), within(id, "candidates"));
   Vector log_weights = surrogate(points);
   const WeightedPopulation candidates(std::move(points), std::move(log_weights));
   if (!candidates.has_weight()) throw Error("posterior: its density is 0 or infinite throughout");

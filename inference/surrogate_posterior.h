@@ -10,6 +10,8 @@
 /// around 1000 samples, 1.5 times as wide, mixed with the prior.
 #pragma once
 
+#include <variant>
+
 #include "inference/estimators/embedded_estimator.h"
 #include "inference/estimators/ratio_estimator.h"
 #include "inference/network_posterior.h"
@@ -33,13 +35,12 @@ class SurrogatePosterior : public NetworkPosterior {
   struct Normalizer;
 
   Vector surrogate(const RowMatrix& u) const;
-  Samples draw_by_importance(Index n, const StreamId& id) const;
+  Samples draw_by_importance(Index n, Index num_points, const StreamId& id) const;
   double log_normalizer() const;
   double estimate_log_normalizer() const;
 
   struct Member {
-    std::unique_ptr<const EmbeddedEstimator<float>> likelihood;  ///< of z given u
-    std::unique_ptr<const RatioEstimator<float>> ratio;          ///< null in the other role
+    std::variant<EmbeddedEstimator<float>, RatioEstimator<float>> network;  ///< of z given u; f
     Parameters<float> weights;
   };
   Member make_member(Index m) const;

@@ -1,7 +1,6 @@
 #include "sim/channel_errors.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "core/constants.h"
 #include "core/normal.h"
@@ -12,7 +11,6 @@ namespace {
 // Degrees of freedom beyond which Student's t is taken for one with these: as good as Gaussian,
 // while 1 + e^2 / nu still tells e.
 constexpr double kMostDegrees = 1e7;
-const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
 
 // Sum of log(1 + (now - rho before)^2 / spread): of products of eight, unless one overflows.
 double log_of_squares(const ChannelErrors& errors, double rho, double spread) {

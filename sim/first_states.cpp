@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/constants.h"
 #include "core/decompositions.h"
@@ -10,8 +9,6 @@
 
 namespace npdr::sim {
 namespace {
-
-const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
 
 Index segments_of_rollout(const NoiseModel& model) {
   return std::ranges::count_if(model.restarts(), [](char is) { return is != 0; });

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "core/constants.h"
@@ -12,8 +11,6 @@
 
 namespace npdr::sim {
 namespace {
-
-const double kLogTwoPi = std::log(2.0 * std::numbers::pi);
 
 // log of density times prior over the unknown parameters of all channels, one after the other,
 // which depend on each other where first states aren't known.

@@ -1,9 +1,9 @@
 #include "inference/abc/step_kernel.h"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 
+#include "core/constants.h"
 #include "core/decompositions.h"
 #include "core/error.h"
 
@@ -31,8 +31,7 @@ Vector StepKernel::sample(Stream& stream) const {
 Vector StepKernel::log_density(const RowMatrix& steps) const {
   const Eigen::MatrixXd z = factor_.triangularView<Eigen::Lower>().solve(steps.transpose());
   const double constant =
-      -0.5 * static_cast<double>(steps.cols()) * std::log(2.0 * std::numbers::pi) -
-      factor_.diagonal().array().log().sum();
+      -0.5 * static_cast<double>(steps.cols()) * kLogTwoPi - factor_.diagonal().array().log().sum();
   return (-0.5 * z.colwise().squaredNorm().transpose()).array() + constant;
 }
 

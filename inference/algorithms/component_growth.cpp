@@ -7,8 +7,9 @@ namespace npdr::inference {
 
 Parameters<float> grow_components(const NetworkParts& single, const EstimatorConfig& grown,
                                   double perturbation, const StreamId& id) {
+  const TrainedEmbeddingConfig& embedding = std::get<DirectParts>(single.of_role).embedding;
   const auto network_of = [&](const EstimatorConfig& estimator) {
-    return make_network(estimator, single.transform.num_outputs(), single.embedding,
+    return make_network(estimator, single.transform.num_outputs(), embedding,
                         single.prior.dimension(), single.structure_seed);
   };
   const EmbeddedEstimator<float> from = network_of(single.estimator), to = network_of(grown);

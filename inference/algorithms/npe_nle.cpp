@@ -95,7 +95,7 @@ LearnedRows rows_of_npe_nle(const RoundData& data, bool are_pooled) {
 
 PooledLikelihood untrained_likelihood(const PosteriorEstimationConfig& config,
                                       const RoundData& data, const NetworkParts& posterior) {
-  if (!data.posteriors.empty()) return *data.posteriors.back()->parts().likelihood;
+  if (!data.posteriors.empty()) return *data.posteriors.back()->parts().pooled_likelihood();
   const RoundData training = without_judging_rows(data);
   PooledLikelihood likelihood{.estimator = posterior.estimator,
                               .transform = transform_of(config, training, posterior.transform)};

@@ -38,18 +38,22 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
                              const StreamId& id) {
   const AlgorithmTraits& traits = traits_of(config.algorithm.kind);
   NetworkParts parts{.prior = *data.prior,
-                     .role = traits.role,
+                     .of_role = role_parts(traits.role),
                      .estimator = estimator_of_round(config, data),
-                     .embedding = config.embedding,
                      .structure_seed = id.seed,
                      .transform = {},
                      .parameters = {},
                      .x_o = data.x_o};
-  parts.sampler = config.sampler;
+  auto* const direct = std::get_if<DirectParts>(&parts.of_role);
+  if (direct != nullptr) {
+    direct->embedding = config.embedding;
+  } else {
+    std::get<SurrogateParts>(parts.of_role).sampler = config.sampler;
+  }
   if (data.posteriors.empty()) {
     parts.transform =
-        fit_feature_transform(*data.x, config.principal_components, tails_of(config, parts.role));
-    if (parts.role == NetworkRole::likelihood) {
+        fit_feature_transform(*data.x, config.principal_components, tails_of(config, traits.role));
+    if (traits.role == NetworkRole::likelihood) {
       parts.transform = varying_outputs(parts.transform, *data.x);
     }
     return parts;
@@ -57,7 +61,7 @@ NetworkParts untrained_parts(const PosteriorEstimationConfig& config, const Roun
   const NetworkPosterior& previous = *data.posteriors.back();
   parts.transform = previous.parts().transform;
   if (traits.grows_in_last_round) {
-    parts.proposal = dynamic_cast<const DirectPosterior&>(previous).mixture();
+    direct->proposal = dynamic_cast<const DirectPosterior&>(previous).mixture();
   }
   return parts;
 }
@@ -71,7 +75,7 @@ std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& c
   if (config.algorithm.kind != Algorithm::npe_nle || num_varying_outputs(parts.transform) == 0) {
     return ensembles;
   }
-  parts.likelihood = untrained_likelihood(config, data, parts);
+  std::get<DirectParts>(parts.of_role).likelihood = untrained_likelihood(config, data, parts);
   ensembles.push_back(likelihood_parts(parts));
   return ensembles;
 }
@@ -79,8 +83,9 @@ std::vector<NetworkParts> untrained_ensembles(const PosteriorEstimationConfig& c
 // The network of the last round that network m of `all` begins as; all rounds have the same ones.
 NetworkParts previous_network(const NetworkParts& all, const RoundData& data, Index m) {
   const NetworkParts& last = data.posteriors.back()->parts();
-  const bool is_of_pool = last.likelihood && all.role == NetworkRole::likelihood;
-  return network_of(is_of_pool ? likelihood_parts(last) : posterior_parts(last), m);
+  const bool is_of_pool =
+      last.pooled_likelihood() != nullptr && all.role() == NetworkRole::likelihood;
+  return network_of(is_of_pool ? likelihood_parts(last) : last, m);
 }
 
 Parameters<float> first_weights(const PosteriorEstimationConfig& config, const RoundTask& task,
@@ -115,7 +120,7 @@ bool train_network(const PosteriorEstimationConfig& config, const RoundData& dat
                    TrainingState& state, const EpochHook& hook) {
   ValidationFold fold{id.seed, m};
   // NPE-A learns from rows that no round has seen.
-  if (config.algorithm.kind != Algorithm::npe_a) fold.rows = learned.of(all.role);
+  if (config.algorithm.kind != Algorithm::npe_a) fold.rows = learned.of(all.role());
   const NetworkParts parts = network_of(all, m);
   id.seed = seed_of_network(id.seed, m);
   const auto task = make_round_task(config, data, learned, parts, id);
@@ -167,8 +172,9 @@ std::unique_ptr<NetworkPosterior> estimate_posterior(const PosteriorEstimationCo
   NetworkParts& parts = ensembles.front();
   parts.parameters = best_weights(states, 0, networks);
   if (are_pooled) {
-    parts.likelihood->parameters = best_weights(states, networks, networks);
-    parts.likelihood->powers = pool_powers(parts, data, learned.judging, id);
+    PooledLikelihood& likelihood = *std::get<DirectParts>(parts.of_role).likelihood;
+    likelihood.parameters = best_weights(states, networks, networks);
+    likelihood.powers = pool_powers(parts, data, learned.judging, id);
   }
   return make_posterior(std::move(parts));
 }

@@ -139,7 +139,7 @@ LearnedRows learned_rows(const PosteriorEstimationConfig& config, const RoundDat
 std::unique_ptr<RoundTask> make_round_task(const PosteriorEstimationConfig& config,
                                            const RoundData& data, const LearnedRows& learned,
                                            const NetworkParts& parts, const StreamId& id) {
-  switch (parts.role) {
+  switch (parts.role()) {
     case NetworkRole::posterior:
       return std::make_unique<PosteriorTask>(config, data, learned, parts, id);
     case NetworkRole::likelihood:

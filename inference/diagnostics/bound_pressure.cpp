@@ -16,7 +16,7 @@ BoundPressure test_bounds(Vector v) {
   std::sort(v.begin(), v.end());
   const double below = v(n - 1 - n / 10), above = v(n / 10);
   const double width = below - above;
-  const double edge = 0.25 * width;
+  const double edge = BoundPressure::kEdge * width;
   const auto share = [&](const auto& is_inside) {
     return static_cast<double>(is_inside.count()) / static_cast<double>(n);
   };
@@ -26,7 +26,7 @@ BoundPressure test_bounds(Vector v) {
           .above = above,
           .lowest = share(v.array() < BoundPressure::kTail),
           .highest = share(v.array() > 1.0 - BoundPressure::kTail),
-          .is_narrow = width < 0.2};
+          .is_narrow = width < BoundPressure::kNarrow};
 }
 
 }  // namespace npdr::inference

@@ -31,7 +31,7 @@ struct BoundPressure {
   double above = 0.0;      ///< or a larger one
   double lowest = 0.0;     ///< share of the samples so low that hardly any prior's is
   double highest = 0.0;    ///< so high
-  bool is_narrow = false;  ///< w < 0.2: a quarter of the prior's
+  bool is_narrow = false;  ///< w < kNarrow
 
   bool leaks_lower() const { return lowest >= kLeakingShare; }
   bool leaks_upper() const { return highest >= kLeakingShare; }
@@ -42,7 +42,12 @@ struct BoundPressure {
     return (is_narrow && upper > kPressingShare) || above > 1.0 - kGap || leaks_upper();
   }
 
-  static constexpr double kPressingShare = 0.36, kGap = 0.005, kTail = 1e-5, kLeakingShare = 0.02;
+  static constexpr double kEdge = 0.25;           ///< of w, from a bound
+  static constexpr double kNarrow = 0.2;          ///< of v: a quarter of the prior's w
+  static constexpr double kPressingShare = 0.36;  ///< of the samples, within an edge
+  static constexpr double kGap = 0.005;           ///< of v, between a bound and 90 % of the samples
+  static constexpr double kTail = 1e-5;           ///< of v, from a bound
+  static constexpr double kLeakingShare = 0.02;   ///< of the samples, within the tail
 };
 
 /// Fewer samples than this don't tell one share from the other.

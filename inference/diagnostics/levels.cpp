@@ -13,7 +13,8 @@
 namespace npdr::inference {
 namespace {
 
-constexpr double kRounding = 1e-9;
+constexpr double kRounding = 1e-9;  // of the range
+constexpr double kFilled = 0.5;     // share of a grid's places
 
 template <class Map>
 double filled(const Levels& levels, const Map& map) {
@@ -48,7 +49,7 @@ double filled_by_factors(const Levels& levels) {
 }
 
 bool is_grid(const Levels& levels) {
-  return std::max(filled_by_steps(levels), filled_by_factors(levels)) >= 0.5;
+  return std::max(filled_by_steps(levels), filled_by_factors(levels)) >= kFilled;
 }
 
 bool is_rounded(double value) {

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "inference/diagnostics/mlp_classifier.h"
+#include "inference/diagnostics/out_of_distribution.h"
 #include "inference/diagnostics/tail_probability.h"
 #include "inference/diagnostics/two_samples.h"
 #include "inference/feature_transform.h"
@@ -14,9 +15,6 @@
 namespace npdr::inference {
 namespace {
 
-constexpr Index kFewestPairs = 40;
-constexpr Index kRowsPerComponent = 20;
-
 void check(const LocalC2stData& data, const LocalC2stConfig& config) {
   const Index n = data.u.rows(), d = data.u.cols();
   const bool fits = data.u_sampled.rows() == n && data.x.rows() == n &&
@@ -24,9 +22,9 @@ void check(const LocalC2stData& data, const LocalC2stConfig& config) {
                     data.x.cols() == data.x_o.size() && data.u_at_x_o.rows() >= 1 &&
                     config.num_trials >= 1 && config.max_components >= 1 && data.x.cols() >= 1;
   if (!fits) throw ShapeError("local C2ST: parameters, samples and x don't go together");
-  if (n >= kFewestPairs) return;
+  if (n >= kFewestSimulations) return;
   throw InputError("local C2ST: " + std::to_string(n) + " simulations, must be at least " +
-                   std::to_string(kFewestPairs));
+                   std::to_string(kFewestSimulations));
 }
 
 // Inputs of the classifiers: standardized u and components of x.

@@ -40,7 +40,7 @@ struct LocalC2stData {
 };
 
 /// Trials run in parallel; the bits don't depend on the number of threads. Throws ShapeError when
-/// shapes don't go together and InputError for fewer than 40 simulations.
+/// shapes don't go together and InputError for fewer than kFewestSimulations.
 LocalC2st local_c2st(const LocalC2stData& data, const StreamId& id,
                      const LocalC2stConfig& config = {});
 

@@ -16,7 +16,9 @@ namespace npdr::inference {
 namespace {
 
 constexpr Index kMostComponents = 20;
-constexpr Index kRowsPerComponent = 20;
+constexpr double kKeptVariance = 0.99;  // share that the components have between them
+constexpr float kRounding = 1e-5f;      // of a constant feature, relative
+constexpr float kFarNearer = 0.01f;     // ratio of distances from 0
 
 void require_finite(const RowMatrixF& x) {
   if (x.allFinite()) return;
@@ -27,11 +29,10 @@ void require_finite(const RowMatrixF& x) {
 // scaled to the same size, noise would hide what the first ones show. A whitening direction is one
 // of unit length divided by its deviation.
 void keep_leading_components(FeatureTransform& transform) {
-  constexpr double share = 0.99;
   const double total = static_cast<double>((transform.inverse_deviation.array() > 0.0f).count());
   double sum = 0.0;
   Index kept = 0;
-  while (kept < transform.basis.cols() && sum < share * total) {
+  while (kept < transform.basis.cols() && sum < kKeptVariance * total) {
     const double length = static_cast<double>(transform.basis.col(kept).norm());
     if (!(length > 0.0)) break;
     sum += 1.0 / (length * length);
@@ -90,18 +91,17 @@ namespace {
 
 // Rounding of single precision is no difference.
 bool is_changed_constant(float lowest, float highest, float observed) {
-  constexpr float rounding = 1e-5f;
   const float size = std::abs(lowest);
-  const bool is_constant = highest - lowest <= rounding * size;
-  return is_constant && std::abs(observed - lowest) > rounding * std::max(size, std::abs(observed));
+  const bool is_constant = highest - lowest <= kRounding * size;
+  return is_constant &&
+         std::abs(observed - lowest) > kRounding * std::max(size, std::abs(observed));
 }
 
 // Of features on one side of 0, the observed one on that side, too, or not. Of counts 0 is next
 // to 1.
 bool is_nearer_to_zero(float least, float observed) {
-  constexpr float far = 0.01f;
   const float unit = least == std::round(least) ? 1.0f : 0.0f;
-  return least > 0.0f && observed + unit < far * (least + unit);
+  return least > 0.0f && observed + unit < kFarNearer * (least + unit);
 }
 
 }  // namespace

@@ -40,6 +40,8 @@ struct OutOfDistribution {
 
 /// Fewer simulations than this say nothing.
 inline constexpr Index kFewestSimulations = 40;
+/// Simulations for each principal component, at least.
+inline constexpr Index kRowsPerComponent = 20;
 
 /// Summary of the features x of simulations: all that the test needs of them.
 struct UsualFeatures {
@@ -51,9 +53,9 @@ struct UsualFeatures {
 };
 
 /// That of simulations x (n, F), which are independent draws in any order. At most one component
-/// for each 40 rows. `tails`: what becomes of features that span orders of magnitude
-/// (feature_transform.h). Throws InputError for fewer than kFewestSimulations rows, or what isn't
-/// finite.
+/// for kRowsPerComponent rows of a half. `tails`: what becomes of features that span orders of
+/// magnitude (feature_transform.h). Throws InputError for fewer than kFewestSimulations rows, or
+/// what isn't finite.
 UsualFeatures usual_features(const RowMatrixF& x, Tails tails = Tails::kept);
 
 /// The first feature that is the same in all simulations, and another in x_o (F); or, of those that

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/quantile.h"
 #include "inference/diagnostics/tail_probability.h"
@@ -14,9 +15,9 @@ namespace {
 
 // Predictions that differ from the observation by the rounding of single precision are ties.
 Vector with_ties(Vector predicted, double observed) {
-  constexpr double rounding = 1e-6;
   for (double& value : predicted) {
-    if (std::abs(value - observed) <= rounding * std::max(std::abs(value), std::abs(observed))) {
+    if (std::abs(value - observed) <=
+        kFloatRounding * std::max(std::abs(value), std::abs(observed))) {
       value = observed;
     }
   }

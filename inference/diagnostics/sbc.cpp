@@ -39,7 +39,7 @@ std::vector<Index> ranks(const RowMatrix& samples, const Vector& truth) {
 }
 
 Sbc test_sbc(const RowMatrix& spread) {
-  constexpr Index most_bins = 20, fewest_in_bin = 15;
+  constexpr Index most_bins = 20, fewest_in_bin = 15;  // ranks that are expected
   const Index num_bins = std::clamp(spread.rows() / fewest_in_bin, Index{2}, most_bins);
   Sbc sbc;
   sbc.parameter_p_value.resize(spread.cols());

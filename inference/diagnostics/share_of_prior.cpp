@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/constants.h"
 #include "core/decompositions.h"
 
 namespace npdr::inference {
@@ -51,7 +52,7 @@ double share_of_prior(const RowMatrix& samples, const StreamId& id) {
   const RowMatrix z = draws_around(samples.cols(), radius, id);
   const Vector length = squared_lengths(z);
   const Vector of_prior = squared_lengths((z * lower.transpose()).rowwise() + mean);
-  const double log_uniform = 0.5 * d * std::log(2.0 * std::numbers::pi) - log_volume(d, radius);
+  const double log_uniform = 0.5 * d * kLogTwoPi - log_volume(d, radius);
   const Eigen::ArrayXd q = 0.5 * (-0.5 * length.array()).exp() + 0.5 * std::exp(log_uniform);
   const double log_det = lower.diagonal().array().log().sum();
   const Eigen::ArrayXd weight = (log_det - 0.5 * of_prior.array()).exp() / q;

@@ -11,7 +11,10 @@
 namespace npdr::inference {
 namespace {
 
-constexpr Index kFewestForTail = 40;
+constexpr Index kFewestForTail = 40;     // reference values
+constexpr Index kFewestAbove = 10;       // of them that a tail is fitted to, or that are counted
+constexpr double kSmallestShare = 1e-3;  // of 1 / n: the smallest probability
+constexpr double kTenPercent = 1.2816;   // deviations beyond which 10 % of a normal variable lie
 
 // Of sorted values: counts, or zeros and ones, have no smooth tail.
 Index num_distinct(const Vector& sorted) {
@@ -32,28 +35,26 @@ Index size_of_tail(const Vector& sorted, Index wanted, Index fewest) {
 // The number that is expected of a Poisson variable which is `count` or more with a probability of
 // 10 %.
 double fewest_expected(Index count) {
-  constexpr double quantile = 1.2816;  // of the normal distribution
   const auto k = static_cast<double>(count);
   if (count == 0) return 0.0;
-  return k * std::pow(1.0 - 1.0 / (9.0 * k) - quantile / (3.0 * std::sqrt(k)), 3);
+  return k * std::pow(1.0 - 1.0 / (9.0 * k) - kTenPercent / (3.0 * std::sqrt(k)), 3);
 }
 
 }  // namespace
 
 double tail_probability(const Vector& reference, double observed) {
-  constexpr Index fewest_above = 10;
   if (reference.size() < 1) throw InputError("tail probability: no reference values");
   const auto numbered = [](double value) { return std::isnan(value) ? kInfinity : value; };
   Vector sorted = reference.unaryExpr(numbered);
   std::sort(sorted.begin(), sorted.end(), std::greater<>());
   const double value = numbered(observed);
   // A tail of a few values says nothing of what is much rarer than all of them.
-  const double smallest = 1e-3 / static_cast<double>(sorted.size());
+  const double smallest = kSmallestShare / static_cast<double>(sorted.size());
   if (std::isinf(value) && sorted(0) < value) return smallest;
   const Index n = sorted.size(), above = (sorted.array() >= value).count();
   const double counted = static_cast<double>(1 + above) / static_cast<double>(1 + n);
-  if (above >= fewest_above || n < kFewestForTail) return counted;
-  const Index in_tail = size_of_tail(sorted, std::max(fewest_above, n / 10), fewest_above);
+  if (above >= kFewestAbove || n < kFewestForTail) return counted;
+  const Index in_tail = size_of_tail(sorted, std::max(kFewestAbove, n / 10), kFewestAbove);
   if (in_tail == n) return counted;
   const double threshold = 0.5 * (sorted(in_tail - 1) + sorted(in_tail));
   if (value <= sorted(0) && num_distinct(sorted.head(in_tail)) < in_tail / 2) return counted;
@@ -69,7 +70,7 @@ double tail_probability(const Vector& reference, double observed) {
 
 double smallest_tail_probability(Index n) {
   const auto count = static_cast<double>(n);
-  return n < kFewestForTail ? 1.0 / (1.0 + count) : 1e-3 / count;
+  return n < kFewestForTail ? 1.0 / (1.0 + count) : kSmallestShare / count;
 }
 
 }  // namespace npdr::inference

@@ -8,7 +8,7 @@
 namespace npdr::inference {
 namespace {
 
-constexpr double kLargestGap = 1000.0;  // [nats]
+constexpr double kLargestGap = 1000.0;  // [nats] of a training that hasn't diverged
 
 }  // namespace
 

@@ -6,14 +6,6 @@
 #include "inference/estimators/softplus.h"
 
 namespace npdr::inference {
-namespace {
-
-constexpr double kSmallestScale = 1e-3;
-// softplus(kScaleOffset) + kSmallestScale = 1.
-const double kScaleOffset = std::log(std::expm1(1.0 - kSmallestScale));
-
-}  // namespace
-
 template <typename S>
 void AffineMap<S>::forward(const ColumnMatrixX<S>& u, ElementScratch<S>& scratch,
                            ColumnMatrixX<S>& z, VectorX<S>& log_det) const {

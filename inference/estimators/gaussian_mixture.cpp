@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "core/constants.h"
@@ -17,7 +16,6 @@ Eigen::MatrixXd GaussianMixture::precision(Index k) const {
 }
 
 Vector GaussianMixture::log_prob(const RowMatrix& u) const {
-  const double log_two_pi = std::log(2.0 * std::numbers::pi);
   Vector result(u.rows());
   Vector terms(num_components());
   for (Index i = 0; i < u.rows(); ++i) {
@@ -25,7 +23,7 @@ Vector GaussianMixture::log_prob(const RowMatrix& u) const {
       const Eigen::MatrixXd& factor = precision_factors[static_cast<std::size_t>(k)];
       const Vector y = factor * (u.row(i).transpose() - means[static_cast<std::size_t>(k)]);
       terms(k) = log_weights(k) + factor.diagonal().array().log().sum() -
-                 0.5 * (y.squaredNorm() + static_cast<double>(dimension()) * log_two_pi);
+                 0.5 * (y.squaredNorm() + static_cast<double>(dimension()) * kLogTwoPi);
     }
     result(i) = log_sum_exp(terms);
   }

@@ -1,9 +1,9 @@
 #include "inference/estimators/maf.h"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 
+#include "core/constants.h"
 #include "inference/estimators/affine_map.h"
 #include "inference/estimators/dense.h"
 #include "inference/estimators/scalar.h"
@@ -92,8 +92,7 @@ void MaskedAutoregressiveFlow<S>::log_prob(const Parameters<S>& parameters, cons
   auto& scratch = static_cast<Scratch&>(base);
   dense(context, view(parameters, context_weight_), view(parameters, context_bias_),
         scratch.context);
-  log_prob.setConstant(
-      u.rows(), S(-0.5 * std::log(2.0 * std::numbers::pi) * static_cast<double>(dimension_)));
+  log_prob.setConstant(u.rows(), S(-0.5 * kLogTwoPi * static_cast<double>(dimension_)));
   scratch.z = u;
   for (Index k = 0; k < num_transforms(); ++k) {
     const auto i = static_cast<std::size_t>(k);

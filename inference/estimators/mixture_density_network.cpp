@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
+#include "core/constants.h"
 #include "core/log_sum_exp.h"
 #include "inference/estimators/dense.h"
 #include "inference/estimators/scalar.h"
@@ -13,9 +13,6 @@
 
 namespace npdr::inference {
 namespace {
-
-constexpr double kSmallestDiagonal = 1e-3;
-const double kDiagonalOffset = std::log(std::expm1(1.0 - kSmallestDiagonal));
 
 // values[i] = u[i] - mean[i]; mean stays where it is with kStride = 0, where all points share it.
 template <int kStride, typename S>
@@ -140,8 +137,8 @@ void MixtureDensityNetwork<S>::forward_heads(const Parameters<S>& parameters,
   logits.array().colwise() -= log_sum_exp_of_rows(logits);
   for (Index i = 0; i < dimension_; ++i) {
     auto a = scratch.heads.middleCols(factor_column(i, i), components_).array();
-    a += S(kDiagonalOffset);
-    a = (softplus(a) + S(kSmallestDiagonal)).eval();
+    a += S(kScaleOffset);
+    a = (softplus(a) + S(kSmallestScale)).eval();
   }
 }
 
@@ -186,7 +183,7 @@ void MixtureDensityNetwork<S>::log_prob(const Parameters<S>& parameters, const R
   scratch.responsibility.resize(m, components_);
   for (Index c = 0; c < components_; ++c) {
     Eigen::Array<S, Eigen::Dynamic, 1> log_scale = scratch.heads.col(weight_column() + c);
-    log_scale -= S(0.5 * std::log(2.0 * std::numbers::pi) * static_cast<double>(dimension_));
+    log_scale -= S(0.5 * kLogTwoPi * static_cast<double>(dimension_));
     for (Index i = 0; i < dimension_; ++i) {
       log_scale += scratch.heads.col(factor_column(i, i) + c).array().log();
     }
@@ -272,7 +269,7 @@ void MixtureDensityNetwork<S>::backward_heads(const Parameters<S>& parameters,
   for (Index i = 0; i < dimension_; ++i) {
     const Index column = factor_column(i, i);
     d.middleCols(column, components_).array() *=
-        S(1) - (S(kSmallestDiagonal) - scratch.heads.middleCols(column, components_).array()).exp();
+        S(1) - (S(kSmallestScale) - scratch.heads.middleCols(column, components_).array()).exp();
   }
   const std::size_t layers = scratch.hidden.size();
   const auto below = [&](std::size_t l, const auto& d_above) {

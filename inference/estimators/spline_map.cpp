@@ -14,9 +14,6 @@ namespace {
 
 constexpr double kBound = 5.0;  // B: the prior N(0, I) leaves [-B, B] with probability 6e-7
 constexpr double kSmallestBin = 1e-3;
-constexpr double kSmallestDerivative = 1e-3;
-// softplus(kDerivativeOffset) + kSmallestDerivative = 1.
-const double kDerivativeOffset = std::log(std::expm1(1.0 - kSmallestDerivative));
 
 // Column k of `sizes` = 2 B (m + (1 - K m) softmax_k(raw)); `raw` holds N values for each of K
 // bins.
@@ -191,8 +188,7 @@ void SplineMap<S>::shape(ElementScratch<S>& scratch, Index d) const {
   sizes_of(raw + 2 * n, n, bins_, scratch.widths);
   sizes_of(raw + (2 + bins_) * n, n, bins_, scratch.heights);
   scratch.derivatives = Eigen::Map<const ColumnMatrixX<S>>(raw + (2 + 2 * bins_) * n, n, bins_ - 1);
-  scratch.derivatives =
-      softplus(scratch.derivatives.array() + S(kDerivativeOffset)) + S(kSmallestDerivative);
+  scratch.derivatives = softplus(scratch.derivatives.array() + S(kScaleOffset)) + S(kSmallestScale);
 }
 
 template <typename S>
@@ -235,7 +231,7 @@ void SplineMap<S>::backward(const ColumnMatrixX<S>& u, const VectorX<S>& d_log_d
   softmax_backward(scratch.heights, d_heights);
   // softplus'(x) = 1 - exp(-softplus(x)).
   Eigen::Map<ColumnMatrixX<S>>(d_derivatives, n, bins_ - 1).array() *=
-      S(1) - (S(kSmallestDerivative) - scratch.derivatives.array()).exp();
+      S(1) - (S(kSmallestScale) - scratch.derivatives.array()).exp();
   const S *v = scratch.moved.data(), *by_v = scratch.d_element.col(0).data();
 #pragma omp simd
   for (Index i = 0; i < n; ++i) by_z[i] = is_inside(v[i]) ? by_v[i] : by_z[i];

@@ -12,7 +12,9 @@ namespace npdr::inference {
 namespace {
 
 constexpr int kMostIterations = 1000;
-constexpr double kTolerance = 1e-9;  // of the precisions, relative
+constexpr double kTolerance = 1e-9;          // of the precisions, relative
+constexpr double kFewestWeights = 1e-6;      // that the data tell, gamma: fewer are none
+constexpr double kSmallestResidual = 1e-28;  // over |y|^2: the rounding of 1e-14 of y
 
 void check_shapes(const RowMatrix& phi, const Vector& y) {
   if (phi.rows() == y.size() && phi.cols() > 0) return;
@@ -33,11 +35,10 @@ Precisions next_precisions(const RowMatrix& phi, const Vector& y, const Vector& 
                            const WeightPosterior& now) {
   const Eigen::ArrayXd lambda = now.precisions.noise * eigenvalues.array();
   const double gamma = (lambda / (lambda + now.precisions.weights)).sum();
-  constexpr double nothing = 1e-6;  // of one weight
-  if (!(gamma > nothing)) fail_without_evidence();
+  if (!(gamma > kFewestWeights)) fail_without_evidence();
   // Without noise nothing but rounding is left, and the precision would grow for ever.
-  constexpr double rounding = 1e-28;
-  const double residual = std::max((y - phi * now.mean).squaredNorm(), rounding * y.squaredNorm());
+  const double residual =
+      std::max((y - phi * now.mean).squaredNorm(), kSmallestResidual * y.squaredNorm());
   return {gamma / now.mean.squaredNorm(), (static_cast<double>(y.size()) - gamma) / residual};
 }
 

@@ -9,7 +9,8 @@
 
 namespace npdr::inference {
 
-/// Largest R-hat at which chains count as having found the same places.
+/// Largest R-hat at which chains count as having found the same places (Gelman et al. 2013,
+/// "Bayesian data analysis", section 11.5).
 inline constexpr double kLargestRHat = 1.1;
 
 /// Diagnostics of each coordinate.

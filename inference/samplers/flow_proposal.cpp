@@ -12,6 +12,7 @@
 #include "core/matrix_blocking.h"
 #include "core/parallel.h"
 #include "inference/estimators/maf.h"
+#include "inference/row_blocks.h"
 #include "inference/samplers/importance_constants.h"
 #include "inference/training/trainer.h"
 #include "inference/weighted_population.h"
@@ -26,7 +27,6 @@ constexpr TrainingConfig kTraining = {.learning_rate = 2e-3,
                                       .validation_fraction = 0.2,
                                       .stop_after_epochs = 10,
                                       .max_epochs = 100};
-constexpr Index kBlock = 64;       // rows that are computed together
 constexpr Index kFewestRows = 10;  // that a network is fitted to; two of them validate
 
 // The network f, of a dimension; its weights are the proposal's.
@@ -101,9 +101,9 @@ double log_mixture(double a, double b) {
 
 template <class Work>
 void for_each_block(Index n, const Work& work) {
-  parallel_for((n + kBlock - 1) / kBlock, [&](Index block) {
-    const Index first = block * kBlock;
-    work(first, std::min(kBlock, n - first));
+  parallel_for((n + kBlockRows - 1) / kBlockRows, [&](Index block) {
+    const Index first = block * kBlockRows;
+    work(first, std::min(kBlockRows, n - first));
   });
 }
 
@@ -155,7 +155,7 @@ Vector FlowProposal::log_density(const RowMatrix& u) const {
   const double log_det = factor.diagonal().array().log().sum();
   for_each_block(u.rows(), [&](Index first, Index count) {
     // Always whole blocks, so that a row's bits don't depend on how many there are.
-    RowMatrix rows = RowMatrix::Zero(kBlock, u.cols());
+    RowMatrix rows = RowMatrix::Zero(kBlockRows, u.cols());
     rows.topRows(count) = u.middleRows(first, count);
     const RowMatrix v = standardize(*this, rows);
     const Vector tail = log_tail(v);
@@ -165,7 +165,7 @@ Vector FlowProposal::log_density(const RowMatrix& u) const {
     }
     const auto scratch = f.flow.make_scratch();
     VectorF log_prob;
-    f.flow.log_prob(network, v.cast<float>(), RowMatrixF::Zero(kBlock, 1), *scratch, log_prob);
+    f.flow.log_prob(network, v.cast<float>(), RowMatrixF::Zero(kBlockRows, 1), *scratch, log_prob);
     for (Index i = 0; i < count; ++i) {
       const auto value = static_cast<double>(log_prob(i));
       const double flow = std::isfinite(value) ? value : -kInfinity;
@@ -183,11 +183,11 @@ RowMatrix FlowProposal::sample(Index n, const StreamId& id) const {
     StreamId row = id;
     row.row += static_cast<std::uint64_t>(first);
     const bool has_flow = network.size() > 0;
-    RowMatrix v(kBlock, dimension());
+    RowMatrix v(kBlockRows, dimension());
     if (has_flow) {
-      v = f.flow.sample(network, RowMatrixF::Zero(1, 1), kBlock, row).cast<double>();
+      v = f.flow.sample(network, RowMatrixF::Zero(1, 1), kBlockRows, row).cast<double>();
     }
-    for (Index i = 0; i < kBlock; ++i) {
+    for (Index i = 0; i < kBlockRows; ++i) {
       StreamId own = within(id, "flow_tail");
       own.row += static_cast<std::uint64_t>(first + i);
       Stream stream(own);

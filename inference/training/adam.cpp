@@ -6,8 +6,9 @@
 namespace npdr::inference {
 namespace {
 
-constexpr float kBeta1 = 0.9f;
-constexpr float kBeta2 = 0.999f;
+// As Kingma and Ba 2015 suggest.
+constexpr double kDecay1 = 0.9, kDecay2 = 0.999;
+constexpr auto kBeta1 = static_cast<float>(kDecay1), kBeta2 = static_cast<float>(kDecay2);
 constexpr float kEpsilon = 1e-8f;
 
 }  // namespace
@@ -22,8 +23,8 @@ void Adam::step(const Parameters<float>& gradient, double gradient_scale,
   if (gradient_scale == 0.0) return;
   ++state_.num_steps;
   const auto t = static_cast<double>(state_.num_steps);
-  const auto rate = static_cast<float>(learning_rate_ / (1.0 - std::pow(0.9, t)));
-  const auto root = static_cast<float>(1.0 / std::sqrt(1.0 - std::pow(0.999, t)));
+  const auto rate = static_cast<float>(learning_rate_ / (1.0 - std::pow(kDecay1, t)));
+  const auto root = static_cast<float>(1.0 / std::sqrt(1.0 - std::pow(kDecay2, t)));
   const auto scale = static_cast<float>(gradient_scale);
   const float* g = gradient.data();
   float* m = state_.first_moment.data();

@@ -22,7 +22,8 @@ std::uint64_t parse_structure_seed(const std::string& where, const std::string& 
 }
 
 void require_its_series(const std::string& where, const inference::NetworkParts& parts) {
-  const Index values = parts.embedding.series.num_values();
+  const auto* const direct = std::get_if<inference::DirectParts>(&parts.of_role);
+  const Index values = direct == nullptr ? 0 : direct->embedding.series.num_values();
   if (values == 0 || values == parts.transform.num_outputs()) return;
   throw InputError(fmt::format(
       "{}: attribute 'trained_embedding' has series of {} values, but there are {} features; rerun "
@@ -36,7 +37,7 @@ Index fewest_weights(const inference::NetworkParts& parts) {
   const inference::EstimatorConfig& c = parts.estimator;
   using enum inference::EstimatorKind;
   const bool is_flow = c.kind == maf || c.kind == nsf;
-  const bool is_likelihood = parts.role == inference::NetworkRole::likelihood;
+  const bool is_likelihood = parts.role() == inference::NetworkRole::likelihood;
   const Index width = is_likelihood ? parts.transform.num_outputs() : parts.prior.dimension();
   const Index layers = c.kind == resnet ? 2 * c.num_hidden_layers : c.num_hidden_layers - 1;
   return (is_flow ? c.num_transforms : 1) * c.hidden_features *
@@ -106,14 +107,12 @@ void describe_network(Layout network, inference::NetworkParts& parts) {
 }
 
 // Those of an untrained network of one parameter, and one feature where nothing else is said.
-void list_layers(Layout f, inference::NetworkRole role, const inference::EstimatorConfig& config,
-                 const inference::TrainedEmbeddingConfig& embedding) {
-  const Index num_features = std::max<Index>(1, embedding.series.num_values());
+void list_layers(Layout f, const inference::RoleParts& of_role,
+                 const inference::EstimatorConfig& config, Index num_features = 1) {
   inference::NetworkParts parts{
       .prior = inference::Prior({{"", "", inference::Marginal::Kind::uniform, 0, 1}}),
-      .role = role,
+      .of_role = of_role,
       .estimator = config,
-      .embedding = embedding,
       .transform = {VectorF::Zero(num_features), VectorF::Ones(num_features), {}},
       .parameters = {},
       .x_o = {}};
@@ -175,17 +174,22 @@ std::vector<Index> networks_there(const Layout& f) {
 }
 
 void describe_architecture(Layout f, inference::NetworkParts& parts) {
-  std::string role = name_of(parts.role), seed = std::to_string(parts.structure_seed);
+  std::string role = name_of(parts.role()), seed = std::to_string(parts.structure_seed);
   f.attribute("network_role", role,
               "what the network says: `posterior` q(u \\| z), `likelihood` q(z \\| u) or `ratio` "
               "p(z \\| u) / p(z)");
   describe_json(f, "density_estimator", parts.estimator, "JSON: the method's settings");
-  describe_json(f, "trained_embedding", parts.embedding,
+  auto* direct = std::get_if<inference::DirectParts>(&parts.of_role);
+  inference::TrainedEmbeddingConfig embedding;
+  if (direct != nullptr) embedding = direct->embedding;
+  describe_json(f, "trained_embedding", embedding,
                 "JSON: the layers in front of the density estimator, see "
                 "[Embeddings](methods.md#embeddings)");
   f.attribute("structure_seed", seed, "an integer: seeds the order of the variables in flows");
   if (!f.reads()) return;
-  parts.role = parse_enum<inference::NetworkRole>("network role", role);
+  parts.of_role = inference::role_parts(parse_enum<inference::NetworkRole>("network role", role));
+  direct = std::get_if<inference::DirectParts>(&parts.of_role);
+  if (direct != nullptr) direct->embedding = embedding;
   parts.structure_seed = parse_structure_seed(f.where(), seed);
 }
 
@@ -257,19 +261,20 @@ std::optional<inference::UsualFeatures> read_usual_features(const ArtefactFile& 
 }
 
 void list_flow(Layout f) {
-  list_layers(f, inference::NetworkRole::posterior,
+  const inference::TrainedEmbeddingConfig embedding{.features = 1, .series = {1, 8, 1}};
+  list_layers(f, inference::DirectParts{embedding},
               {.kind = inference::EstimatorKind::maf, .num_transforms = 1},
-              {.features = 1, .series = {1, 8, 1}});
+              embedding.series.num_values());
 }
 
 void list_mixture(Layout f) {
-  list_layers(f, inference::NetworkRole::posterior,
-              {.kind = inference::EstimatorKind::mdn, .num_hidden_layers = 1}, {});
+  list_layers(f, inference::DirectParts{},
+              {.kind = inference::EstimatorKind::mdn, .num_hidden_layers = 1});
 }
 
 void list_ratio_network(Layout f) {
-  list_layers(f, inference::NetworkRole::ratio,
-              {.kind = inference::EstimatorKind::resnet, .num_hidden_layers = 1}, {});
+  list_layers(f, inference::SurrogateParts{.is_ratio = true},
+              {.kind = inference::EstimatorKind::resnet, .num_hidden_layers = 1});
 }
 
 void describe(Layout f, TrainingCheckpoint& checkpoint) {

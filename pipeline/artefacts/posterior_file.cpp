@@ -97,18 +97,24 @@ void describe(Layout f, PoolNotes& pool, inference::PooledLikelihood& likelihood
 }
 
 void describe_likelihood(Layout f, PoolNotes& pool, inference::NetworkParts& parts) {
-  describe(f, pool, *parts.likelihood);
-  inference::NetworkParts likelihood = inference::likelihood_parts(parts);
-  describe_layers(f, likelihood);
-  parts.likelihood->parameters = std::move(likelihood.parameters);
+  auto& likelihood = *std::get<inference::DirectParts>(parts.of_role).likelihood;
+  describe(f, pool, likelihood);
+  inference::NetworkParts networks = inference::likelihood_parts(parts);
+  describe_layers(f, networks);
+  likelihood.parameters = std::move(networks.parameters);
 }
 
 void describe(Layout f, inference::NetworkParts& parts, Observed& observed) {
   describe_architecture(f, parts);
   describe(f, parts.x_o, observed);
   describe(f, parts.transform);
-  describe_json(f, "sampler", parts.sampler, "JSON: the method's table `sampler`");
-  if (auto group = f.group("proposal", parts.proposal)) describe_proposal(*group, *parts.proposal);
+  auto* const surrogate = std::get_if<inference::SurrogateParts>(&parts.of_role);
+  inference::SamplerConfig unused;
+  describe_json(f, "sampler", surrogate != nullptr ? surrogate->sampler : unused,
+                "JSON: the method's table `sampler`");
+  if (surrogate != nullptr) return;
+  auto& proposal = std::get<inference::DirectParts>(parts.of_role).proposal;
+  if (auto group = f.group("proposal", proposal)) describe_proposal(*group, *proposal);
 }
 
 // What a network's mixture says at x_o, which follows from the rest: for those who read files
@@ -178,10 +184,17 @@ std::unique_ptr<inference::NetworkPosterior> read_network(const h5::File& file) 
   inference::NetworkParts parts = network_parts(prior);
   Observed observed;
   describe(f, parts, observed);
+  auto* const direct = std::get_if<inference::DirectParts>(&parts.of_role);
+  if (direct == nullptr && file.has("likelihood")) {
+    throw InputError(fmt::format(
+        "{}: pool: its networks' role is '{}', must be 'posterior'; rerun stage 'infer'",
+        file.where(), name_of(parts.role())));
+  }
   describe_layers(f, parts);
-  PoolNotes pool;
-  if (auto group = f.group("likelihood", parts.likelihood)) {
-    describe_likelihood(*group, pool, parts);
+  if (direct != nullptr) {
+    PoolNotes pool;
+    auto group = f.group("likelihood", direct->likelihood);
+    if (group) describe_likelihood(*group, pool, parts);
   }
   try {
     return inference::make_posterior(std::move(parts));
@@ -239,11 +252,11 @@ void write_posterior(h5::File& file, const MethodConfig& method,
   const std::size_t networks =
       std::min(all.size(), static_cast<std::size_t>(parts.estimator.num_networks));
   write_losses(f, all.first(networks));
-  if (auto likelihood = f.group("likelihood", parts.likelihood)) {
-    const auto& pool = dynamic_cast<const inference::PooledPosterior&>(posterior);
-    PoolNotes notes{parts.likelihood->powers, pool.powers(), pool.log_normalizer()};
-    describe_likelihood(*likelihood, notes, parts);
-    write_losses(*likelihood, all.subspan(networks));
+  if (const auto* pool = dynamic_cast<const inference::PooledPosterior*>(&posterior)) {
+    Layout likelihood = f.group("likelihood");
+    PoolNotes notes{parts.pooled_likelihood()->powers, pool->powers(), pool->log_normalizer()};
+    describe_likelihood(likelihood, notes, parts);
+    write_losses(likelihood, all.subspan(networks));
   }
   describe_embedding(f, method.embedding);
   describe(f, rows);

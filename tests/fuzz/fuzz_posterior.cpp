@@ -1,5 +1,6 @@
 // Posterior files, which people hand to each other.
 #include "inference/estimators/ratio_estimator.h"
+#include "inference/pooled_posterior.h"
 #include "pipeline/artefacts/network_file.h"
 #include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/refinement_file.h"
@@ -20,7 +21,7 @@ const std::vector<inference::Marginal> kPrior = {
 inference::NetworkParts network(NetworkRole role, EstimatorKind kind) {
   inference::NetworkParts parts{
       .prior = inference::Prior(kPrior),
-      .role = role,
+      .of_role = inference::role_parts(role),
       .estimator = {.kind = kind, .num_transforms = 2, .num_components = 3, .hidden_features = 4},
       .structure_seed = 5,
       .transform = {VectorF::Zero(2), VectorF::Ones(2), {}},
@@ -42,8 +43,9 @@ inference::NetworkParts pool() {
   likelihood.transform.basis = RowMatrixF::Constant(2, 1, 0.7F);
   likelihood.parameters = inference::make_network(likelihood.estimator, 2, {}, 1, 5)
                               .initial_parameters({1, "initial", 0, 0, 0});
-  parts.likelihood = {
-      likelihood.estimator, likelihood.transform, likelihood.parameters, {0.5, 0.75}};
+  parts.of_role = inference::DirectParts{
+      .likelihood = inference::PooledLikelihood{
+          likelihood.estimator, likelihood.transform, likelihood.parameters, {0.5, 0.75}}};
   return parts;
 }
 
@@ -52,7 +54,7 @@ void write_network(h5::File& file, const inference::NetworkParts& parts) {
   method.density_estimator = parts.estimator;
   inference::TrainingState state;
   state.training_loss = state.validation_loss = {1.0, 0.5};
-  const std::vector<inference::TrainingState> trainings(parts.likelihood ? 2 : 1, state);
+  const std::vector<inference::TrainingState> trainings(parts.pooled_likelihood() ? 2 : 1, state);
   RowMatrixF x(40, 2);
   for (Index i = 0; i < x.size(); ++i) x(i) = static_cast<float>(i * i % 17);
   write_posterior(file, method, *inference::make_posterior(parts), {}, trainings, {},
@@ -82,7 +84,9 @@ void write_abc(h5::File& file, bool is_smooth) {
 const std::vector<H5Model>& models() {
   static const std::vector<H5Model> all = [] {
     inference::NetworkParts corrected = network(NetworkRole::posterior, EstimatorKind::mdn);
-    corrected.proposal = {Vector::Zero(1), {Vector::Zero(2)}, {Eigen::MatrixXd::Identity(2, 2)}};
+    corrected.of_role = inference::DirectParts{
+        .proposal = inference::GaussianMixture{
+            Vector::Zero(1), {Vector::Zero(2)}, {Eigen::MatrixXd::Identity(2, 2)}}};
     std::vector<H5Model> made;
     for (const inference::NetworkParts& parts :
          {network(NetworkRole::posterior, EstimatorKind::maf),
@@ -101,9 +105,8 @@ const std::vector<H5Model>& models() {
 
 // Others are drawn by chains and need an integral, which take their time.
 bool is_direct(const inference::Posterior& posterior) {
-  const auto* const network = dynamic_cast<const inference::NetworkPosterior*>(&posterior);
-  return network == nullptr ||
-         (network->parts().role == NetworkRole::posterior && !network->parts().likelihood);
+  return dynamic_cast<const inference::PooledPosterior*>(&posterior) == nullptr &&
+         dynamic_cast<const inference::SurrogatePosterior*>(&posterior) == nullptr;
 }
 
 }  // namespace

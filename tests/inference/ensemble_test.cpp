@@ -32,7 +32,7 @@ Parameters<float> disturbed(const Network& network, Index m) {
 // Of one parameter and one feature.
 NetworkParts random_parts(NetworkRole role, EstimatorKind kind) {
   NetworkParts parts{.prior = Prior({{"a", "1", Marginal::Kind::normal, 0.0, 1.0}}),
-                     .role = role,
+                     .of_role = role_parts(role),
                      .estimator = {.kind = kind,
                                    .num_networks = kNetworks,
                                    .num_transforms = 2,

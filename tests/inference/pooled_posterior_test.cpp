@@ -29,6 +29,10 @@ Parameters<float> some_weights(const NetworkParts& parts, double strength) {
   return weights;
 }
 
+std::optional<PooledLikelihood>& likelihood_of(NetworkParts& parts) {
+  return std::get<DirectParts>(parts.of_role).likelihood;
+}
+
 NetworkParts some_pool(PoolPowers powers, double likelihood_strength = 0.2) {
   NetworkParts parts{
       .prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0}}),
@@ -38,8 +42,9 @@ NetworkParts some_pool(PoolPowers powers, double likelihood_strength = 0.2) {
       .parameters = {},
       .x_o = VectorF::Ones(2)};
   parts.parameters = some_weights(parts, 0.2);
-  parts.likelihood = {.estimator = parts.estimator, .transform = parts.transform, .powers = powers};
-  parts.likelihood->parameters = some_weights(likelihood_parts(parts), likelihood_strength);
+  auto& likelihood = likelihood_of(parts);
+  likelihood = {.estimator = parts.estimator, .transform = parts.transform, .powers = powers};
+  likelihood->parameters = some_weights(likelihood_parts(parts), likelihood_strength);
   return parts;
 }
 
@@ -101,7 +106,7 @@ TEST(PooledPosterior, DrawsThatRepeatEachOtherMoveToTheirDensity) {
   // The likelihood says nothing, so that the pool is the uniform prior, and q is N(0, 0.30^2 I)
   // over u: few of its draws have nearly all of the weight. The scale is the first of the last 16.
   NetworkParts parts = some_pool({0.0, 1.0});
-  parts.likelihood->parameters.setZero();
+  likelihood_of(parts)->parameters.setZero();
   parts.parameters.setZero();
   parts.parameters.tail(16)(0) = 2.8f;
   constexpr Index n = 2000;
@@ -175,7 +180,7 @@ TEST(PooledPosterior, WhatANetworkDoesntKnowWeighsNothing) {
 
 TEST(PooledPosterior, RefusesWeightsOfAnotherNetwork) {
   NetworkParts parts = some_pool({});
-  parts.likelihood->parameters.conservativeResize(3);
+  likelihood_of(parts)->parameters.conservativeResize(3);
   EXPECT_THROW(PooledPosterior{parts}, ShapeError);
 }
 
@@ -218,7 +223,7 @@ class PoolPowersOf : public ::testing::Test {
 };
 
 TEST_F(PoolPowersOf, CalibratedNetworksAddUpToOne) {
-  EXPECT_EQ(powers(), parts_->likelihood->powers);
+  EXPECT_EQ(powers(), parts_->pooled_likelihood()->powers);
   // 100 simulations, each of information 1 about the sum: a standard error of 0.1. Means of
   // networks are a little too wide.
   EXPECT_NEAR(powers().posterior + powers().likelihood, 1.1, 0.3);
@@ -251,7 +256,7 @@ TEST_F(PoolPowersOf, SharpenWhatIsTooWide) {
 }
 
 TEST_F(PoolPowersOf, NetworksThatPredictNothingHaveNone) {
-  parts_->likelihood->parameters *= -1.0f;
+  likelihood_of(*parts_)->parameters *= -1.0f;
   EXPECT_LE(powers().likelihood, 0.1);
   EXPECT_NEAR(powers().posterior, 1.0, 0.3);
 }

@@ -13,8 +13,8 @@ namespace {
 DirectPosterior untrained(EstimatorKind kind) {
   NetworkParts parts{.prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0},
                                      {"b", "1", Marginal::Kind::uniform, 0.0, 0.5}}),
+                     .of_role = DirectParts{.embedding = {3}},
                      .estimator = {},
-                     .embedding = {3},
                      .structure_seed = 5,
                      .transform = {VectorF::Zero(4), VectorF::Ones(4), {}},
                      .parameters = {},

@@ -14,18 +14,18 @@ namespace {
 
 // An untrained network with large weights: any density will do.
 NetworkParts some_ratio(SamplerKind sampler) {
-  NetworkParts parts{.prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0},
-                                     {"b", "1", Marginal::Kind::uniform, 0.0, 1.0}}),
-                     .role = NetworkRole::ratio,
-                     .estimator = {.kind = EstimatorKind::resnet, .hidden_features = 8},
-                     .structure_seed = 5,
-                     .transform = {VectorF::Zero(2), VectorF::Ones(2), {}},
-                     .parameters = {},
-                     .x_o = VectorF::Ones(2)};
+  NetworkParts parts{
+      .prior = Prior({{"a", "1", Marginal::Kind::uniform, -1.0, 3.0},
+                      {"b", "1", Marginal::Kind::uniform, 0.0, 1.0}}),
+      .of_role =
+          SurrogateParts{.is_ratio = true, .sampler = {.kind = sampler, .num_candidates = 20'000}},
+      .estimator = {.kind = EstimatorKind::resnet, .hidden_features = 8},
+      .structure_seed = 5,
+      .transform = {VectorF::Zero(2), VectorF::Ones(2), {}},
+      .parameters = {},
+      .x_o = VectorF::Ones(2)};
   const RatioEstimator<float> network(parts.estimator, 2, 2);
   parts.parameters = 3.0f * network.initial_parameters({1, "initial", 0, 0, 0});
-  parts.sampler.kind = sampler;
-  parts.sampler.num_candidates = 20'000;
   return parts;
 }
 

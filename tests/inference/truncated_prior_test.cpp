@@ -27,7 +27,7 @@ std::shared_ptr<const NetworkPosterior> pool_with(PoolPowers powers) {
   c.training.max_epochs = 60;
   const auto learned = infer(c, task.prior(), task.simulator(), VectorF::Constant(2, 0.7f), 1);
   NetworkParts parts = learned->parts();
-  parts.likelihood->powers = powers;
+  std::get<DirectParts>(parts.of_role).likelihood->powers = powers;
   return make_posterior(parts);
 }
 

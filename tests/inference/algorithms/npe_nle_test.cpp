@@ -23,7 +23,7 @@ class PooledLikelihoodOf : public ::testing::Test {
     const Prior prior({{"a", "1", Marginal::Kind::normal, 0.0, 1.0}});
     const auto posterior = infer(config_, prior, simulate, VectorF::Zero(num_features), 1);
     EXPECT_EQ(posterior->parts().estimator.kind, config_.estimator.kind);
-    return *posterior->parts().likelihood;
+    return *posterior->parts().pooled_likelihood();
   }
   PooledLikelihood likelihood(Index num_features, Index telling) const {
     return likelihood(simulator(num_features, telling), num_features);

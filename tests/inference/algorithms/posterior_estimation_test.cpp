@@ -156,8 +156,10 @@ void expect_same_bits_after_a_stop(const PosteriorEstimationConfig& c, const Rou
   EXPECT_EQ(stopped, nullptr);
   const auto resumed = estimate_posterior(c, data, id, states, never_stop);
   EXPECT_EQ(resumed->parts().parameters, whole->parts().parameters);
-  EXPECT_EQ(resumed->parts().likelihood->parameters, whole->parts().likelihood->parameters);
-  EXPECT_EQ(resumed->parts().likelihood->powers, whole->parts().likelihood->powers);
+  EXPECT_EQ(resumed->parts().pooled_likelihood()->parameters,
+            whole->parts().pooled_likelihood()->parameters);
+  EXPECT_EQ(resumed->parts().pooled_likelihood()->powers,
+            whole->parts().pooled_likelihood()->powers);
 }
 
 TEST(NpeNle, GoesOnFromStatesWithTheSameBits) {

@@ -20,7 +20,6 @@ inference::DirectPosterior small_posterior(const MethodConfig& method) {
   inference::NetworkParts parts{
       .prior = inference::Prior({{"a", "1", inference::Marginal::Kind::uniform, 0.0, 1.0}}),
       .estimator = method.density_estimator,
-      .embedding = {},
       .structure_seed = 5,
       .transform = {VectorF::Zero(1), VectorF::Ones(1), {}},
       .parameters = {},
@@ -34,7 +33,7 @@ inference::DirectPosterior small_posterior(const MethodConfig& method) {
 inference::NetworkParts parts_of(inference::NetworkRole role, inference::EstimatorKind kind) {
   inference::NetworkParts parts{
       .prior = inference::Prior({{"a", "1", inference::Marginal::Kind::uniform, 0.0, 1.0}}),
-      .role = role,
+      .of_role = inference::role_parts(role),
       .estimator = {.kind = kind, .num_transforms = 2, .num_components = 3, .hidden_features = 8},
       .structure_seed = 5,
       .transform = {VectorF::Zero(2), VectorF::Ones(2), {}},
@@ -50,9 +49,13 @@ inference::NetworkParts parts_of(inference::NetworkRole role, inference::Estimat
                                                is_likelihood ? 2 : 1, 5)
                            .initial_parameters(id);
   }
-  parts.sampler.num_chains = 7;
+  if (auto* const surrogate = std::get_if<inference::SurrogateParts>(&parts.of_role)) {
+    surrogate->sampler.num_chains = 7;
+  }
   return parts;
 }
+
+auto& direct(auto& parts) { return std::get<inference::DirectParts>(parts.of_role); }
 
 class PosteriorFile : public FolderTest {
  protected:
@@ -87,11 +90,15 @@ class PosteriorFile : public FolderTest {
       const inference::NetworkParts& parts) const {
     const RowMatrix theta{{0.2}, {0.9}};
     auto found = reread(parts);
-    EXPECT_EQ(found->parts().role, parts.role);
+    EXPECT_EQ(found->parts().role(), parts.role());
     EXPECT_EQ(found->parts().parameters, parts.parameters);
-    EXPECT_EQ(found->parts().embedding, parts.embedding);
     EXPECT_EQ(found->parts().structure_seed, parts.structure_seed);
-    EXPECT_EQ(found->parts().sampler.num_chains, parts.sampler.num_chains);
+    if (const auto* given = std::get_if<inference::SurrogateParts>(&parts.of_role)) {
+      const auto& surrogate = std::get<inference::SurrogateParts>(found->parts().of_role);
+      EXPECT_EQ(surrogate.sampler.num_chains, given->sampler.num_chains);
+    } else {
+      EXPECT_EQ(direct(found->parts()).embedding, direct(parts).embedding);
+    }
     EXPECT_EQ(found->log_prob(theta), inference::make_posterior(parts)->log_prob(theta));
     return found;
   }
@@ -115,11 +122,11 @@ TEST_F(PosteriorFile, EveryRoleComesBackAsItWas) {
   }
   expect_same(small_posterior(method_).parts());
   inference::NetworkParts convolved = parts_of(posterior, nsf);
-  convolved.embedding = {3, {convolved.transform.num_outputs(), 1, 1}, true};
+  direct(convolved).embedding = {3, {convolved.transform.num_outputs(), 1, 1}, true};
   convolved.parameters =
       inference::make_network(convolved).initial_parameters({1, "initial", 0, 0, 0});
   const auto found = reread(convolved);
-  EXPECT_EQ(found->parts().embedding, convolved.embedding);
+  EXPECT_EQ(direct(found->parts()).embedding, direct(convolved).embedding);
   EXPECT_EQ(found->parts().parameters, convolved.parameters);
 }
 
@@ -165,39 +172,40 @@ TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
   likelihood.transform.basis = RowMatrixF::Constant(2, 1, 0.7F);
   likelihood.parameters = inference::make_network(likelihood.estimator, 1, {}, 1, 5)
                               .initial_parameters({1, "initial", 0, 0, 0});
-  parts.likelihood = {likelihood.estimator,
-                      likelihood.transform,
-                      likelihood.parameters,
-                      {.posterior = 0.5, .likelihood = 0.75}};
+  direct(parts).likelihood = {likelihood.estimator,
+                              likelihood.transform,
+                              likelihood.parameters,
+                              {.posterior = 0.5, .likelihood = 0.75}};
   const auto posterior = expect_same(parts);
   EXPECT_EQ(posterior->parts().transform.basis, parts.transform.basis);
-  const auto& found = *posterior->parts().likelihood;
-  EXPECT_EQ(found.powers, parts.likelihood->powers);
+  const auto& found = *posterior->parts().pooled_likelihood();
+  const auto& given = *parts.pooled_likelihood();
+  EXPECT_EQ(found.powers, given.powers);
   EXPECT_EQ(found.estimator.kind, inference::EstimatorKind::maf);
-  EXPECT_EQ(found.parameters, parts.likelihood->parameters);
-  EXPECT_EQ(found.transform.basis, parts.likelihood->transform.basis);
+  EXPECT_EQ(found.parameters, given.parameters);
+  EXPECT_EQ(found.transform.basis, given.transform.basis);
   const auto spoil = [&](h5::File& file) {
     file.group("likelihood").set_attribute("likelihood_power", 2.5);
   };
   EXPECT_TRUE(says(problem([&] { reread(parts, spoil); }),
                    {"p.h5: group 'likelihood': powers of a pool = 0.5 and 2.5",
                     "must be at least 0 and 2 together"}));
+  const auto rename = [](h5::File& file) { file.set_attribute("network_role", "likelihood"); };
+  EXPECT_TRUE(says(problem([&] { reread(parts, rename); }),
+                   {"p.h5: pool: its networks' role is 'likelihood', must be 'posterior'"}));
 }
 
-// An NLE's file with a likelihood beside it has the shapes of a pool, but for the role.
-TEST_F(PosteriorFile, APoolsNetworksAreOfAPosteriorAndAsManyAsTheLikelihoods) {
+TEST_F(PosteriorFile, APoolHasAsManyNetworksAsTheLikelihood) {
   inference::NetworkParts parts =
-      parts_of(inference::NetworkRole::likelihood, inference::EstimatorKind::maf);
-  parts.likelihood = {parts.estimator, parts.transform, parts.parameters, {0.5, 0.5}};
-  EXPECT_TRUE(says(message_of<ShapeError>([&] { inference::make_posterior(parts); }),
-                   {"pool: its networks' role is 'likelihood', must be 'posterior'"}));
-  const inference::NetworkParts posterior =
       parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::maf);
-  parts.role = posterior.role;
-  parts.parameters = posterior.parameters;
-  parts.likelihood->estimator.num_networks = 2;
-  parts.likelihood->parameters =
-      inference::joined({parts.likelihood->parameters, parts.likelihood->parameters});
+  const inference::NetworkParts one =
+      parts_of(inference::NetworkRole::likelihood, inference::EstimatorKind::maf);
+  auto& likelihood = direct(parts).likelihood;
+  likelihood = {one.estimator,
+                one.transform,
+                inference::joined({one.parameters, one.parameters}),
+                {0.5, 0.5}};
+  likelihood->estimator.num_networks = 2;
   EXPECT_TRUE(says(message_of<ShapeError>([&] { inference::make_posterior(parts); }),
                    {"pool: 2 networks of the likelihood, must be 1, as many as the posterior's"}));
 }
@@ -205,7 +213,8 @@ TEST_F(PosteriorFile, APoolsNetworksAreOfAPosteriorAndAsManyAsTheLikelihoods) {
 TEST_F(PosteriorFile, AProposalComesBackAsItWasOrIsRefused) {
   inference::NetworkParts parts =
       parts_of(inference::NetworkRole::posterior, inference::EstimatorKind::mdn);
-  parts.proposal = {Vector::Zero(1), {Vector::Constant(1, 0.3)}, {Eigen::MatrixXd::Ones(1, 1)}};
+  direct(parts).proposal = {
+      Vector::Zero(1), {Vector::Constant(1, 0.3)}, {Eigen::MatrixXd::Ones(1, 1)}};
   expect_same(parts);
   const h5::File file = open_artefact(folder_ / "p.h5", kPosteriorSchema);
   const auto log_weights = file.group("mixture").dataset("log_weight").read<double>();
