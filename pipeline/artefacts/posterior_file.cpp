@@ -78,6 +78,8 @@ void describe(Layout f, PoolNotes& pool) {
               "the same at x_o: nearer to 1 where the two contradict each other there");
   f.attribute("likelihood_power_at_x_o", pool.powers_at_x_o.likelihood, "nearer to 0");
   f.attribute("log_normalizer_at_x_o", pool.log_normalizer, "log integral of the pool [nats]");
+  f.attribute("missed_share_at_x_o", pool.missed_share,
+              "share of the posterior p l / Z where the pool has nothing, as q has a mode less");
   if (!f.reads()) return;
   constexpr double largest = inference::PoolPowers::kLargestSum;
   const auto [a, b] = pool.powers;
@@ -254,7 +256,8 @@ void write_posterior(h5::File& file, const MethodConfig& method,
   write_losses(f, all.first(networks));
   if (const auto* pool = dynamic_cast<const inference::PooledPosterior*>(&posterior)) {
     Layout likelihood = f.group("likelihood");
-    PoolNotes notes{parts.pooled_likelihood()->powers, pool->powers(), pool->log_normalizer()};
+    PoolNotes notes{parts.pooled_likelihood()->powers, pool->powers(), pool->log_normalizer(),
+                    pool->missed_share()};
     describe_likelihood(likelihood, notes, parts);
     write_losses(likelihood, all.subspan(networks));
   }

@@ -71,6 +71,7 @@ struct PoolNotes {
   inference::PoolPowers powers;         ///< by held-out simulations
   inference::PoolPowers powers_at_x_o;  ///< nearer to (1, 0) where networks contradict each other
   double log_normalizer = 0.0;          ///< at x_o [nats]
+  double missed_share = 0.0;            ///< of the likelihood's posterior, by the pool
 };
 
 /// Counts and losses that stand beside the posterior.

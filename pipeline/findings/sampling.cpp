@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "core/constants.h"
 #include "core/text.h"
@@ -122,9 +124,27 @@ Finding judge_certificates(const MethodResults& m) {
                                     : ""));
 }
 
+// That NLE has found modes which NPE, and so the pool, has not; empty where it hasn't.
+std::optional<Finding> judge_missed_modes(const MethodResults& m) {
+  constexpr double most = 0.1;
+  const Vector missed = each(m.runs, [](const EvaluatedRun* run) {
+    return run->notes.pool ? run->notes.pool->missed_share : 0.0;
+  });
+  const Index failed = (missed.array() > most).count();
+  if (failed == 0) return std::nullopt;
+  const std::string share = fmt::format("{:.0f} %", 100.0 * missed.maxCoeff());
+  return fails(
+      "a mode is MISSING" + seeds_text(failed, m.runs.size()) + ", " + share,
+      fmt::format("{} of the posterior by NLE alone lies where NPE has nothing (fine below "
+                  "{:.0f} %), so its samples may lack a mode: simulate more, or compare "
+                  "with a method of algorithm \"nle\"",
+                  share, 100.0 * most));
+}
+
 // Of pooled networks (inference/pooled_posterior.h), which were each right about held-out
 // simulations: whether they agree about x_o as they do about those.
 Finding judge_pool(const MethodResults& m) {
+  if (std::optional<Finding> missing = judge_missed_modes(m)) return *std::move(missing);
   constexpr double least = 0.1;
   Index failed = 0;
   double smallest = 1.0;
