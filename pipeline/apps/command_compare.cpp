@@ -130,7 +130,7 @@ struct EvidenceArguments {
   bool json = false;
 };
 
-// What a likelihood is the density of.
+// Recorded numbers that a likelihood is the density of.
 struct Data {
   std::vector<float> stored;  // states
   Index store_every = 0;

@@ -87,7 +87,8 @@ void print_warnings(const std::string& program, const Plan& plan);
 /// and where the report lies. Returns whether any check failed. Throws as read_check_summaries().
 bool print_verdicts(const Plan& plan);
 
-/// One line a method, and that place, where the report is current; nothing else. Throws the same.
+/// Prints a verdict of one line for each method and the report's place if the report is current.
+/// Throws as read_check_summaries().
 void print_verdicts_if_made(const Plan& plan);
 
 /// Warns on stderr where the report (reported_checks()) says that `method` fails checks, and notes

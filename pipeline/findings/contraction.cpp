@@ -1,5 +1,5 @@
-// How much an observation tells about each parameter, which ends of the prior samples press
-// against, and what posteriors say of each other.
+// Contraction of each parameter, contradictions between posteriors, and pressure of samples against
+// the ends of the prior.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -58,8 +58,8 @@ RowMatrix mean_correlations(const MethodResults& m, const std::vector<Index>& d)
   for (const EvaluatedRun* run : m.runs) {
     RowMatrix u(run->evaluation.theta.rows(), count);
     for (Index i = 0; i < count; ++i) {
-      const Vector its = normal_samples(m, *run, d[static_cast<std::size_t>(i)]);
-      const Vector centered = its.array() - its.mean();
+      const Vector samples = normal_samples(m, *run, d[static_cast<std::size_t>(i)]);
+      const Vector centered = samples.array() - samples.mean();
       u.col(i) = centered.stableNormalized();
     }
     sum += u.transpose() * u;

@@ -103,8 +103,8 @@ void read_artefacts(const Plan& plan, const Node& node, ReportData& data) {
     }
   }
   const auto collect = [&](std::string_view name, auto& results, const auto& read) {
-    for (const Node* its : plan.inputs(node, name)) {
-      for (const Use& use : its->uses) results.push_back({use, read(*its)});
+    for (const Node* input : plan.inputs(node, name)) {
+      for (const Use& use : input->uses) results.push_back({use, read(*input)});
     }
   };
   collect("diagnosis", data.diagnoses, [](const Node& n) { return kDiagnosisSchema.read(n); });

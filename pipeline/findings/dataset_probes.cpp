@@ -10,7 +10,6 @@
 #include "core/text.h"
 #include "inference/diagnostics/levels.h"
 #include "inference/prior.h"
-#include "pipeline/findings/probe.h"
 #include "pipeline/sources/source.h"
 #include "pipeline/store/hash.h"
 

@@ -1,4 +1,4 @@
-// What judges share, and their table. Compiled alone: specializations must not follow their use.
+// Helpers and table of the judges. Compiled alone: specializations must not follow their use.
 #include "pipeline/findings/probe.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-/// Probes of the rows of a dataset, and what the judges of a method's posteriors share, one for
-/// each check of pipeline/config/check.h.
+/// Probes of the rows of a dataset; judges of a method's posteriors, one for each check of
+/// pipeline/config/check.h, and their helpers.
 #pragma once
 
 #include <string>
@@ -29,7 +29,7 @@ struct MethodResults {
   /// The p-value below which one of its checks fails: Bonferroni over those, and the seeds.
   double level() const;
   bool is(inference::Algorithm kind) const { return method.algorithm.kind == kind; }
-  /// Each seed and method has an observation of its own.
+  /// Whether each seed and method has an observation of its own.
   bool has_outer_loop() const { return study.num_iterations_of(method) > 1; }
   /// The parameters of the prior that it infers, others it takes as known.
   std::vector<Index> inferred() const;
@@ -87,8 +87,8 @@ struct CorrelatedPair {
 /// Of a matrix of correlations (D, D), or of what grows with their size.
 CorrelatedPair most_correlated(const RowMatrix& correlations);
 
-/// Looks at theta (n >= 1, D), all of it in the prior, for what draws of that don't have. What is
-/// grave is wrong: posteriors are those of something else. Of each parameter:
+/// Looks at theta (n >= 1, D), all of it in the prior, for signs of another distribution. A
+/// grave one makes posteriors those of another prior. Of each parameter:
 /// - It is the same in all rows: grave.
 /// - Its least or largest value lies within 1e-6 of an end of F, where the density of a bounded
 ///   prior is cut, as that of a grid or of rounded draws does, or is more frequent than others, as

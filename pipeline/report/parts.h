@@ -130,7 +130,7 @@ RowMatrix interval_quantiles(const RowMatrix& samples);
 
 /// Returns or successes of a policy's test.
 using Outcome = RowMatrix PolicyOutcomes::*;
-/// Of a policy: none, or all of them.
+/// A policy before any search, or after the last.
 enum class Searches { before, after };
 
 /// Tests of a method in the order of seeds: before any search, or after the last.

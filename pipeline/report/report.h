@@ -10,12 +10,11 @@ namespace npdr::pipeline {
 /// when a figure can't be drawn or writing fails.
 void run_report(const Plan& plan, const Node& node);
 
-/// Lines to copy: where the posteriors are, with what their checks say, and commands that sample
-/// and read that of which the fewest checks fail.
+/// Lines to copy: paths of the posteriors with their verdicts, and commands that sample and read
+/// the posterior of which the fewest checks fail.
 std::string next_steps(const ReportData& data);
 
-/// What posteriors are that two kinds of networks make together, for people who didn't choose them,
-/// since they are the default; "" without any.
+/// Explanation of the posteriors of "npe_nle", the default algorithm; "" without any.
 std::string pooling_text(const Study& study);
 
 }  // namespace npdr::pipeline
