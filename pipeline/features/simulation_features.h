@@ -56,9 +56,9 @@ class SimulationFeatures : public inference::FeatureSource {
               RowMatrixF& x) const override;
 
   const RowMatrix& theta() const { return theta_; }  ///< (N, D)
-  /// (N); 0: of calibration
+  /// Round of each row, (N); 0: calibration.
   const std::vector<std::uint32_t>& rounds() const { return round_; }
-  /// (N), in the simulation of their round
+  /// Number of each row in the simulation of its round, (N).
   const std::vector<Index>& rows() const { return row_; }
   Index num_failed() const { return num_failed_; }
   /// (R) rows of each simulation, failed ones too.

@@ -135,7 +135,9 @@ LeftOutScore left_out_score(const sim::NoiseLikelihood& noise, const std::vector
                             const sim::Trajectories& rows, const Vector& weights, double power,
                             const StreamId& id) {
   const Vector all = log_likelihoods(noise, rows, -1);
-  const auto has_unknown = [](const sim::ChannelNoise& its) { return its.scale.is_unknown(); };
+  const auto has_unknown = [](const sim::ChannelNoise& channel) {
+    return channel.scale.is_unknown();
+  };
   const bool any_unknown = std::ranges::any_of(noise.model().channels(), has_unknown);
   const Index num_factors = any_unknown ? std::ssize(kNoiseFactors) : 1;
   const Index num_rollouts = noise.model().num_rollouts();

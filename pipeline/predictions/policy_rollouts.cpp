@@ -65,14 +65,14 @@ RowMatrix tested_parameters(const Study& study, const Source& source) {
   const sim::SimulatorInfo& info = source.info();
   const Vector base =
       source.parameters().nominal(study.target.truth.value_or(std::map<std::string, double>{}));
-  const auto x = grid.is_used() ? grid.x.points() : std::vector<double>();
-  const auto y = grid.is_used() ? grid.y.points() : std::vector<double>();
+  const auto all_x = grid.is_used() ? grid.x.points() : std::vector<double>();
+  const auto all_y = grid.is_used() ? grid.y.points() : std::vector<double>();
   Index row = study.target.truth ? 1 : 0;
-  RowMatrix theta = base.transpose().replicate(row + std::ssize(x) * std::ssize(y), 1);
-  for (const double its_x : x) {
-    for (const double its_y : y) {
-      theta(row, sim::parameter_index(info, grid.x.parameter)) = its_x;
-      theta(row++, sim::parameter_index(info, grid.y.parameter)) = its_y;
+  RowMatrix theta = base.transpose().replicate(row + std::ssize(all_x) * std::ssize(all_y), 1);
+  for (const double x : all_x) {
+    for (const double y : all_y) {
+      theta(row, sim::parameter_index(info, grid.x.parameter)) = x;
+      theta(row++, sim::parameter_index(info, grid.y.parameter)) = y;
     }
   }
   return theta;

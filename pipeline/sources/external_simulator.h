@@ -1,11 +1,12 @@
 /// A simulator that is another program, which may crash, hang, or write what isn't a row.
 ///
-/// A call that fails (exit status, signal, time limit, no result or none that it must be) is
-/// repeated `retries` times. Then its rows are halved down to single ones, repeated, too, before
-/// they are given up: only the culprits get a status and NaN. Rows that the program itself says to
-/// have failed, while others went well, are asked for together in one call more, `retries` times,
-/// and again for as long as that brings some of them back. Where the program draws random numbers
-/// from the seeds that it is given, a row's result doesn't depend on how the rows were split.
+/// A call that fails (exit status, signal, time limit, no result or a wrong one) is repeated
+/// `retries` times. Then its rows are halved down to single ones. A single row is repeated, too,
+/// before it is given up: only the culprits get a status and NaN. Rows that the program itself says
+/// to have failed, while others went well, are asked for together in one call more, `retries`
+/// times, and again for as long as that brings some of them back. Where the program draws random
+/// numbers from the seeds that it is given, a row's result doesn't depend on how the rows were
+/// split.
 #pragma once
 
 #include <filesystem>
@@ -24,12 +25,12 @@
 
 namespace npdr::pipeline {
 
-/// So many rows in a row that fail are perhaps not to blame, where nobody says how many may: by
-/// chance, with half of all rows failing, once in 2^33 rows.
+/// Failed rows in succession after which a row that went well tests the program, where no limit of
+/// failures is known: if half of all rows fail, by chance once in 2^33 rows.
 inline constexpr Index kHopelessRows = 32;
 
-/// The same where a share of `max_failed_fraction` may fail: by chance once in 10^9 times, 7 for
-/// 0.05, 4 at least.
+/// The same number where a share of `max_failed_fraction` may fail: by chance once in 10^9 times;
+/// 7 for 0.05, 4 at least.
 Index hopeless_rows(double max_failed_fraction);
 
 /// Several may work at the same time, one a thread.

@@ -49,11 +49,10 @@ Findings find_late_states(const sim::Trajectories& x, const Target& recorded);
 /// column, which may be censored, and of whole numbers, which may all be 0.
 Findings find_same_rows(const RowMatrix& theta, const RowMatrixF& x);
 
-/// The columns of x (n, F) that vary by less than 10^-6 of their mean, about ten steps of a float,
-/// and more than double precision rounds: whoever reads them as floats, in which rows are kept,
-/// loses what they say, and feature transforms take them for constants
-/// (inference/feature_transform.h). Rows with NaN and infinities don't count, and fewer than eight
-/// aren't judged.
+/// Columns of x (n, F) whose deviation is below 10^-6 of their mean, about ten steps of a float,
+/// and above the rounding of doubles. As floats, in which rows are kept, such columns tell nothing,
+/// and feature transforms take them for constants (inference/feature_transform.h). Rows with NaN
+/// and infinities don't count, and fewer than eight aren't judged.
 Findings find_lost_precision(const RowMatrix& x, const std::vector<Channel>& columns);
 
 /// Looks over the rows of x, as many at once as there are, for numbers that stand for a failure,
@@ -66,7 +65,7 @@ class RepeatedOutliers {
   /// More rows (n, F). Throws ShapeError for another number of columns.
   void observe(const Eigen::Ref<const RowMatrixF>& x);
 
-  /// Which of the columns, whose names these are. Throws ShapeError for another number of names.
+  /// A warning that names such columns. Throws ShapeError for another number of `columns`.
   Findings find(const std::vector<Channel>& columns) const;
 
  private:
@@ -79,7 +78,7 @@ class RepeatedOutliers {
   Index num_rows_ = 0;
 };
 
-/// RepeatedOutliers in features of a program, which a look at all rows finds again.
+/// Repeated outliers in a program's features; the check of all rows at the end finds them again.
 Findings find_outliers(const FirstRows& rows);
 
 }  // namespace npdr::pipeline

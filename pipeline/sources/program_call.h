@@ -109,10 +109,10 @@ std::unique_ptr<ProgramCall> make_file_call(const Program& program);
 std::string filled_command(const std::string& command, const std::filesystem::path& theta,
                            const std::filesystem::path& x);
 
-/// Why rows failed, by the file of NPDR_FAILED, as the first line about each says it: a line for
-/// each row that failed holds its number in theta from 0, a blank, and why. None where there is no
-/// such file. Throws InputError where it is no file, can't be read, or has a line of another kind
-/// or of none of `num_rows` rows.
+/// Reasons of failures by row, from the file of NPDR_FAILED: each line holds a row's number in
+/// theta from 0, a blank, and the reason; the first line about a row counts. Empty where there is
+/// no such file. Throws InputError where `path` is no file, can't be read, or has a line of another
+/// kind or of none of `num_rows` rows.
 std::map<Index, std::string> read_failed_rows(const std::filesystem::path& path, Index num_rows);
 
 /// A program that stays; the interface is in docs/worker-protocol.md.

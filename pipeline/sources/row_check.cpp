@@ -52,7 +52,7 @@ class RowDistance {
 };
 
 template <class Predicate>
-std::vector<Index> those_of(const std::vector<Index>& rows, const Predicate& predicate) {
+std::vector<Index> filtered(const std::vector<Index>& rows, const Predicate& predicate) {
   std::vector<Index> some;
   std::ranges::copy_if(rows, std::back_inserter(some), predicate);
   return some;
@@ -61,12 +61,12 @@ std::vector<Index> those_of(const std::vector<Index>& rows, const Predicate& pre
 std::vector<Index> good_rows(const sim::Trajectories& rows) {
   std::vector<Index> all(static_cast<std::size_t>(rows.num_rows));
   std::iota(all.begin(), all.end(), Index{0});
-  return those_of(all, [&](Index i) { return rows.is_ok(i); });
+  return filtered(all, [&](Index i) { return rows.is_ok(i); });
 }
 
 // Rows that no other is equal to: where they come from can be told. All, where they are too few.
 std::vector<Index> telling_rows(const sim::Trajectories& rows, const std::vector<Index>& good) {
-  const auto telling = those_of(good, [&](Index i) {
+  const auto telling = filtered(good, [&](Index i) {
     return std::ranges::none_of(
         good, [&](Index j) { return i != j && std::ranges::equal(rows.row(i), rows.row(j)); });
   });
@@ -87,7 +87,7 @@ bool are_repeatable(RowSimulator& simulator, const GivenRows& rows, const std::v
     const bool failed = !again.is_ok(0);  // which is counted elsewhere
     if (failed || distance(again.row(0), rows.result.row(i)) < kSame) continue;
     // The same numbers, but for how they were rounded.
-    const auto alike = those_of(
+    const auto alike = filtered(
         good, [&](Index j) { return distance(again.row(0), rows.result.row(j)) < kIdentical; });
     if (alike.empty()) return false;
     ++num_changed;

@@ -1,7 +1,8 @@
-/// Parts of stages: those in files of their own, and checkpoints. Private to pipeline/stages.
+/// Methods of the stage 'infer', the check of training, and checkpoints. Private to
+/// pipeline/stages.
 ///
-/// The stage 'infer' makes a posterior by the family of the algorithm: each function fills the
-/// artefact of `node`; the caller finishes it. Throws as run_infer() does.
+/// Each infer_ function makes the posterior of a family of algorithms and fills the artefact of
+/// `node`; the caller finishes the artefact. Throws as run_infer() does.
 #pragma once
 
 #include <filesystem>
