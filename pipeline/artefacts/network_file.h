@@ -41,7 +41,7 @@ void describe_layers(Layout f, inference::NetworkParts& parts);
 /// The group `transform`. Throws InputError for parts that don't go together.
 void describe(Layout f, inference::FeatureTransform& transform);
 
-/// What x of a posterior's simulations usually is: the group `usual`, missing of fewer than
+/// Usual x of a posterior's simulations: the group `usual`, missing of fewer than
 /// inference::kFewestSimulations.
 void describe(Layout f, std::optional<inference::UsualFeatures>& usual);
 /// Throws InputError.

@@ -144,7 +144,7 @@ void describe_embedding(Layout f, const inference::EmbeddingConfig& embedding) {
   f.attribute("embedding", to_json(embedding).dump(), "JSON: the method's table `embedding`");
 }
 
-// Of each network.
+// Losses of each network.
 void describe(Layout f, std::vector<TrainingLosses>& losses) {
   Layout group = f.group("training");
   const auto there = f.reads() ? networks_there(group) : std::vector<Index>();

@@ -18,15 +18,16 @@ class H5Layout : public ::testing::TestWithParam<h5::Storage> {};
 
 TEST_P(H5Layout, RowsCanBeWrittenAndReadInAnyBlocks) {
   const TempFolder folder;
-  const h5::Shape shape = {10, 3, 4, 2};
-  std::vector<float> values(240);
+  const h5::Shape shape = {10, 3, 4, 2000};  // two rows a chunk
+  std::vector<float> values(240'000);
   std::iota(values.begin(), values.end(), 0.0f);
   File file = File::create(folder / "a.h5");
   h5::Dataset dataset = file.create_dataset("x", ElementType::f32, shape, GetParam());
-  EXPECT_EQ(dataset.row_size(), 24);
+  EXPECT_EQ(dataset.row_size(), 24'000);
   for (const Index begin : {7, 0, 3}) {
     const Index count = begin == 3 ? 4 : 3;
-    dataset.write_rows<float>(begin, count, std::span(values).subspan(begin * 24, count * 24));
+    dataset.write_rows<float>(begin, count,
+                              std::span(values).subspan(begin * 24'000, count * 24'000));
   }
   file.close();
 
@@ -34,9 +35,9 @@ TEST_P(H5Layout, RowsCanBeWrittenAndReadInAnyBlocks) {
   const h5::Dataset stored = read.dataset("x");
   EXPECT_EQ(stored.shape(), shape);
   EXPECT_EQ(stored.read<float>(), values);
-  std::vector<float> rows(48);
+  std::vector<float> rows(48'000);
   stored.read_rows<float>(5, 2, rows);
-  EXPECT_TRUE(std::equal(rows.begin(), rows.end(), values.begin() + 120));
+  EXPECT_TRUE(std::equal(rows.begin(), rows.end(), values.begin() + 120'000));
 }
 
 INSTANTIATE_TEST_SUITE_P(Storages, H5Layout,
