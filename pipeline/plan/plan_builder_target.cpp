@@ -39,10 +39,10 @@ std::size_t PlanBuilder::add_target() {
   const Study& study = plan_.study;
   Json json = key_document(kTargetSchema);
   if (study.target.recording) {
-    const Recording recording =
+    Recording recording =
         read_recording(*study.target.recording, channels_of(plan_.source->info()));
-    plan_.target = recording;
-    plan_.recorded_actions = recording.recorded.actions;
+    plan_.recorded_actions = std::move(recording.recorded.actions);
+    plan_.target = std::move(recording);
     check_recording(study, plan_.target);
     std::vector<Index> picked;
     for (const std::uint64_t number : study.target.rollouts) {
