@@ -53,7 +53,7 @@ class PooledPosterior : public NetworkPosterior {
   double log_normalizer() const;
 
   /// Share of p(u) l(z_o | u) / Z, the posterior of l alone, that the pool has missed
-  /// (missed_share.h), since q has nothing there. It takes as long as some thousand draws.
+  /// (missed_share.h), since q has nothing there. Takes the time of some thousand draws.
   double missed_share() const;
 
   /// q alone, whose draws are candidates.

@@ -50,7 +50,8 @@ class Posterior {
   virtual Vector map(const StreamId& id) const;
 
  protected:
-  /// The best of them, (D).
+  /// The likeliest of 1000 samples, (D). Throws Error where the density is no number at any of
+  /// them.
   Vector best_sample(const StreamId& id) const;
 };
 

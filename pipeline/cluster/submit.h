@@ -1,4 +1,4 @@
-/// Job scripts, what a person could have written, and their submission to Slurm.
+/// Job scripts, as a person could have written them, and their submission to Slurm.
 #pragma once
 
 #include <filesystem>

@@ -15,7 +15,6 @@
 #include "core/target.h"
 #include "pipeline/artefacts/work_folder.h"
 #include "pipeline/config/study.h"
-#include "pipeline/config/study.h"
 #include "pipeline/sources/source.h"
 #include "pipeline/store/artefact.h"
 

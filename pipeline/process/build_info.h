@@ -1,4 +1,4 @@
-/// What provenance says of this build of the program, and of the time.
+/// Provenance: this build of the program, and the time.
 #pragma once
 
 #include <string>

@@ -48,10 +48,10 @@ class Scheduler {
  private:
   enum class State { waiting, running, done, failed };
   struct Job {
-    Job(std::size_t its_node, int its_threads, const std::vector<std::string>& command, JobLog its)
-        : node(its_node),
-          threads(its_threads),
-          log(std::move(its)),
+    Job(std::size_t index, int cores, const std::vector<std::string>& command, JobLog job_log)
+        : node(index),
+          threads(cores),
+          log(std::move(job_log)),
           process(command, threads, log.path) {}
     std::size_t node;
     int threads;
