@@ -58,7 +58,7 @@ struct CheckKind {
 struct CheckTraits : EnumRow<Check>, CheckKind {
   std::string_view title, question;
 
-  /// Why it means nothing to a method, by the first of its needs that isn't met; "": it does.
+  /// Reason of the first unmet need, for people; "": all needs are met.
   std::string why_unchecked(const Study& study, const MethodConfig& method) const;
 };
 

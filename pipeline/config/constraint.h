@@ -53,7 +53,7 @@ inline constexpr double kMaxSeries = 1e6;
 inline constexpr std::size_t kMostParameters = 1000;
 
 enum class End { open, closed };  ///< of an interval: whether it belongs to it
-/// An infinite end isn't told.
+/// The words leave out an infinite upper end.
 Constraint<double> interval(End lower, double low, double high, End upper);
 inline Constraint<double> between(double low, double high) {
   return interval(End::closed, low, high, End::closed);

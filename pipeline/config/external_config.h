@@ -1,7 +1,6 @@
-/// Sources that rows of simulations come from: kinds, what can be expected of each, and settings of
-/// those that take the place of a built-in simulator: a program, a shared library, a model of
-/// MuJoCo, or a finished dataset. They give rollouts in channels, as built-in simulators do, or a
-/// vector x of features for each theta.
+/// Sources of simulated rows: kinds, traits, and settings of all but the built-in simulators: a
+/// program, a shared library, a model of MuJoCo, or a finished dataset. They give rollouts in
+/// channels, as built-in simulators do, or a vector x of features for each theta.
 #pragma once
 
 #include <array>

@@ -162,7 +162,7 @@ class FieldReader {
   }
 
   /// A list of tables, [[key]]; `body` describes one element. It may be empty where `minimum` is 0,
-  /// and holds at most 1000 of them. Of a table that is left out, those of `values` are listed.
+  /// and holds at most 1000 of them. Of a left-out table, the elements of `values` are listed.
   template <class T, class Body>
   void list(const std::string& key, std::vector<T>& values, int minimum, std::string_view doc,
             const Body& body, const FieldUse& use = {}) {
@@ -178,7 +178,7 @@ class FieldReader {
     fields_.push_back(std::move(field));
   }
 
-  /// The fields that `body` describes; reports keys of the table that it doesn't.
+  /// Fields that `body` describes; reports all other keys of the table.
   template <class Body>
   Fields read(const Body& body) {
     body(*this);

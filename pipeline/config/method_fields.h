@@ -7,6 +7,7 @@
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/study.h"
 #include "pipeline/config/study_json.h"
+
 namespace npdr::pipeline {
 
 template <class Fields>

@@ -1,4 +1,4 @@
-/// Where the values of a study stand, for messages, and what is wrong with them.
+/// Places of a study's values, for messages, and problems of these values.
 #pragma once
 
 #include <map>
@@ -54,11 +54,11 @@ struct KeySource {
   Place key, value;
 };
 
-/// What is known of a study while it is read. Problems are collected, so that one run reports
-/// everything.
+/// Places and problems of a study that is being read. Problems are collected, so that one run
+/// reports all.
 class Reading {
  public:
-  /// Of JSON, a part of a study in an artefact, messages write values as such.
+  /// Syntax of values in messages: JSON for a part of a study in an artefact.
   enum class Syntax { toml, json };
 
   explicit Reading(std::string origin, Syntax syntax = Syntax::toml)
@@ -73,7 +73,7 @@ class Reading {
   /// The origin as a whole where nobody has noted it down.
   KeySource source(const std::string& path) const;
 
-  /// Notes down that `path` is known, and there.
+  /// Notes down that the known key `path` is there.
   void found(const std::string& path) { places_.add(path, source(path).value); }
   bool has(const std::string& path) const { return places_.has(path); }
   Place place(const std::string& path) const { return places_.of(path); }

@@ -1,4 +1,4 @@
-/// Description of a study's simulator, built-in or not, and what a library is loaded with.
+/// Description of a study's simulator, built-in or not, and settings of a loaded library.
 #pragma once
 
 #include "pipeline/config/study.h"

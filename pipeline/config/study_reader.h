@@ -14,10 +14,10 @@ namespace npdr::pipeline {
 ///
 /// `overrides` are "dotted.key=value" with TOML values, applied in order before anything is
 /// checked; a bare word that isn't TOML counts as text. `method.num_rounds=2` sets the key of every
-/// method, `method."NPDR (MAF)".num_rounds=2` that of one. Of target.recording and target.truth,
-/// the one that is set removes the other, and a recording what the file says of the truth. A
-/// recording's relative path starts at the study file's folder, or at the current folder when an
-/// override gives it.
+/// method, `method."NPDR (MAF)".num_rounds=2` that of one. Setting target.truth removes
+/// target.recording. Setting target.recording removes target.truth, and all settings of a truth in
+/// the file. A recording's relative path starts at the study file's folder, or at the current
+/// folder when an override gives it.
 ///
 /// The result is resolved: defaults filled in, older spellings of names replaced, units of the
 /// prior taken from the simulator. Throws one InputError that reports every problem on a line of

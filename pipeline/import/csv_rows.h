@@ -1,4 +1,4 @@
-/// One CSV file of a recording, as it was written, its clock, the column of times, and options of
+/// One CSV file of a recording, unchanged; its clock, the column of times; and options of
 /// `npdr import`.
 #pragma once
 

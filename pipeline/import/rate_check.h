@@ -1,5 +1,5 @@
-/// Whether a recorded rate is the slope of the recorded position, and in words what is likely wrong
-/// with a recording where it isn't.
+/// Check that a recorded rate is the slope of the recorded position, and words for likely faults of
+/// a recording where that fails.
 ///
 /// The slope of a line through a window of positions (Savitzky and Golay 1964) is an average of the
 /// rates in the window, sum_j b_j x[t + j] = sum_k g_k v[t + k] (sim/savitzky_golay.h). So both are

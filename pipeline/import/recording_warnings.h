@@ -9,9 +9,9 @@
 
 namespace npdr::pipeline {
 
-/// One of each angle that jumps by whole turns and each other position that leaps
-/// (jumps.h), each rate that isn't the slope of its position (rate_check.h), unless it was computed
-/// as one (savitzky_golay.h), and each rollout that is a copy of another.
+/// One of each angle that jumps by whole turns and each other position that leaps (jumps.h), each
+/// rate that isn't the slope of its position (rate_check.h), unless it was computed as one
+/// (savitzky_golay.h), and each rollout that is a copy of another.
 Findings warnings_of(Target recording);
 
 /// Pairs of rollouts (i, j), i < j, that hold the same numbers: of each j the first i.

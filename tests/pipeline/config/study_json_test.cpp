@@ -1,6 +1,9 @@
 
 #include "pipeline/config/study_json.h"
 
+#include <algorithm>
+#include <tuple>
+
 #include "pipeline/config/study_keys.h"
 #include "pipeline/store/hostile_json.h"
 #include "tests/document_tables.h"
@@ -23,8 +26,11 @@ TEST(StudyJson, ReadsEveryKindOfPriorBack) {
                                   {"prior.gravity={ normal = [9.81, 0.123456789012345678] }",
                                    "prior.damping={ lognormal = [-3.0, 0.5] }"});
   EXPECT_EQ(study.prior[3].kind, inference::Marginal::Kind::log_normal) << "other spelling";
-  const Json prior = to_json(study)["prior"];
-  EXPECT_EQ(to_json(prior_from_json(prior, "p.h5")), prior) << "to the bit";
+  const auto parts = [](const inference::Marginal& m) {
+    return std::tuple(m.name, m.unit, m.kind, m.a, m.b);
+  };
+  const auto prior = prior_from_json(to_json(study)["prior"], "p.h5");
+  EXPECT_TRUE(std::ranges::equal(prior, study.prior, {}, parts, parts)) << "to the bit";
 }
 
 template <class Config>
