@@ -17,6 +17,7 @@
 #include "pipeline/config/study_check.h"
 #include "pipeline/config/study_json.h"
 #include "pipeline/config/study_keys.h"
+#include "pipeline/features/observation.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/process/progress.h"
 
