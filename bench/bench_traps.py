@@ -5,8 +5,8 @@
     bench/bench_traps.py --only spring-delay --npdr OTHER/bin/npdr --work OTHER/bench-traps
 
 Each world is a folder with what a user would have: CSV files, a study. It is imported and run. A finding
-counts where it is a failure or a warning; a note doesn't. A world that was run with the same program isn't run
-again, but with --again.
+counts where it is a failure or a warning; a note doesn't. A world that was run by the same program with the same
+options isn't run again, but with --again.
 """
 import argparse
 import concurrent.futures
@@ -73,6 +73,9 @@ PARTS = {name: [(part, re.compile(words)) for part, words in parts] for name, pa
     "sampling": (("pool", r"NPE and NLE"), ("certificate", r"")),
 }.items()}
 LOUD = {"fail": "!", "warning": "?"}
+TOO_MANY_FAILED = 3  # exit status
+# What is said of any fault names none.
+GENERAL = re.compile(r"simulator or noise lack( something)?|\(observation_noise[^)]*\)")
 
 
 @dataclass
@@ -82,15 +85,17 @@ class World:
     name: str
     is_right: bool
     cause: str  # a regular expression of what names it
-    make: callable  # of a generator: what has write(folder, options)
+    begin: callable  # of a generator: what has write(folder, options)
+    edit: callable  # of that
 
     @property
     def folder(self):
         return f"{self.device}-{self.name}-{self.seed}"
 
     def write(self, folder, options):
-        rng = np.random.default_rng([self.seed, zlib.crc32(f"{self.device} {self.name}".encode())])
-        return self.make(rng).write(folder, options)
+        files = self.begin(np.random.default_rng([self.seed, zlib.crc32(f"{self.device} {self.name}".encode())]))
+        self.edit(files)
+        return files.write(folder, options)
 
 
 def id_of(text):
@@ -107,24 +112,18 @@ def finding(phase, name, severity, text, method=""):
 
 
 def found_in_output(phase, output, status):
-    """Warnings, and why it ended. Of `npdr run`, "npdr: simulate default, seed 1, round 1: warning: ..."."""
+    """Warnings, and why the command ended. Those of stages begin with "npdr: simulate default, seed 1, round 1: "."""
     found = []
     for line in output.splitlines():
         method = re.match(r"npdr: \w+ (\w+), seed", line)
-        if "warning: " in line:
-            text = line.split("warning: ", 1)[1]
+        text = line.partition("warning: ")[2]
+        if text:
             found.append(finding(phase, id_of(text), "warning", text, method[1] if method else ""))
-    errors = [line for line in output.splitlines()
-              if "warning: " not in line and not re.search(r"^wrote |^next: |\[\d\d:\d\d|--no-rate-check", line)]
-    if status == 0:
-        return found
-    severity = "broken" if status not in (2, 3) or phase == "run" and status == 2 else "fail"
-    names = [id_of(line) for line in errors]
-    known = [(name, line) for name, line in zip(names, errors) if not name.startswith("other")]
-    if severity == "broken" and known:
-        severity = "fail"
-    for name, line in known or list(zip(names, errors))[:1] or [("other: silent", "")]:
-        found.append(finding(phase, name, severity, line))
+        elif status != 0 and not id_of(line).startswith("other"):
+            found.append(finding(phase, id_of(line), "fail", line))
+    if status != 0 and all(f["severity"] == "warning" for f in found):
+        severity = "fail" if phase == "import" or status == TOO_MANY_FAILED else "broken"
+        found.append(finding(phase, id_of(output), severity, output))
     return found
 
 
@@ -132,14 +131,11 @@ def found_in_report(path):
     found = []
     for checks in json.loads(path.read_text())["checks"]:
         texts = dict(reason.split(": ", 1) for reason in checks["reasons"])
-        for title, name in CHECKS.items():
+        said = [title for title in CHECKS if title in texts or title in checks["failed"] + checks["unknown"]]
+        for title in said + sorted(set(checks["failed"]) - set(CHECKS)):
             severity = "fail" if title in checks["failed"] else "unknown" if title in checks["unknown"] else "note"
-            if severity == "note" and title not in texts:
-                continue
-            for part in parts_of(name, texts.get(title, "")):
+            for part in parts_of(CHECKS.get(title, title), texts.get(title, "")):
                 found.append(finding("report", part, severity, texts.get(title, ""), checks["method"]))
-        unmatched = set(checks["failed"]) - set(CHECKS)
-        found += [finding("report", title, "fail", texts.get(title, ""), checks["method"]) for title in unmatched]
     return found
 
 
@@ -189,7 +185,7 @@ class Outcome:
         self.loud = [f for f in self.found if f["severity"] in LOUD]
         self.is_broken = any(f["severity"] == "broken" for f in self.found)
         first = f"{self.loud[0]['id']}: {self.loud[0]['text']}" if self.loud else ""
-        self.names_cause = bool(self.loud) and bool(re.search(world.cause, first))
+        self.names_cause = bool(self.loud) and bool(re.search(world.cause, GENERAL.sub("", first)))
 
     def line(self):
         said = "accused" if self.loud else "fine"
@@ -279,7 +275,8 @@ def main():
         print("\n".join(f"{'right' if w.is_right else 'wrong'} {w.folder}" for w in worlds))
         return
     options.npdr = options.npdr.resolve()
-    options.digest = hashlib.sha256(options.npdr.read_bytes()).hexdigest()[:16]
+    settings = f"{options.num_simulations} {options.num_networks} {options.patience}"
+    options.digest = f"{hashlib.sha256(options.npdr.read_bytes()).hexdigest()[:16]} {settings}"
     options.work.mkdir(parents=True, exist_ok=True)
     compile_library(options)
     if options.no_run:
