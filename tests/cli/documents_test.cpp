@@ -25,6 +25,7 @@ const std::map<std::string, std::string> kNotRun = {
     {"cmake ", "builds the project; tests/libraries builds the example of docs/libraries.md"},
     {"build/", "programs that such a command builds, and benchmarks, which take minutes"},
     {"bench/against_sbi", "installs sbi, from a network"},
+    {"bench/bench_traps.py", "takes most of an hour"},
     {"prepare=$(sbatch", "wants a cluster; tests/cluster has one"},
     {"simulate=$(sbatch", "wants a cluster"},
     {"infer=$(sbatch", "wants a cluster"},
