@@ -36,6 +36,29 @@ concept NamedEnum = std::is_enum_v<E> && requires(E value) {
   enum_table(value);
 };
 
+/// Whether an enumeration has this value: compilers write others as "(Shape)3".
+template <auto value>
+constexpr bool is_enumerator() {
+  const std::string_view text = __PRETTY_FUNCTION__;
+  const char next = text[text.rfind(')') + 1];
+  return next < '0' || next > '9';
+}
+
+/// Whether row i of a table is that of value i.
+constexpr bool is_in_order(const auto& table) {
+  return std::ranges::all_of(
+      table, [&](const auto& row) { return &row == &table[static_cast<std::size_t>(row.value)]; });
+}
+
+/// The row of a value, of a table that has one for each in their order.
+template <NamedEnum E>
+constexpr auto row_of(E value) {
+  constexpr auto table = enum_table(E{});
+  static_assert(is_in_order(table), "row i must be that of value i");
+  static_assert(!is_enumerator<static_cast<E>(table.size())>(), "the last value has no row");
+  return table[static_cast<std::size_t>(value)];
+}
+
 template <NamedEnum E>
 std::string name_of(E value) {
   const auto& table = enum_table(value);

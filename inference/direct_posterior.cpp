@@ -33,7 +33,7 @@ DirectPosterior::DirectPosterior(NetworkParts given) : NetworkPosterior(std::mov
   }
   require_weights(parts(), members_.front().network.num_parameters());
   parts().transform.apply(parts().x_o.transpose(), z_);
-  if (parts().estimator.kind == EstimatorKind::mdn) mixture_ = mixture_of_networks();
+  if (traits_of(parts().estimator.kind).gives(Estimate::mixture)) mixture_ = mixture_of_networks();
   if (!proposal()) return;
   if (!mixture_ || members_.size() > 1 || proposal()->dimension() != prior().dimension()) {
     throw ShapeError(

@@ -13,6 +13,7 @@ from statistics import NormalDist
 import h5py
 import numpy as np
 
+SCHEMA = 23  # of posteriors
 normal_quantile = np.vectorize(NormalDist().inv_cdf, otypes=[float])
 normal_cdf = np.vectorize(lambda u: 0.5 * math.erfc(-u / math.sqrt(2)), otypes=[float])
 
@@ -136,8 +137,8 @@ class Network:
 class Posterior:  # exp(log_q + log_weight) / Z: of networks q, of likelihoods l, or of both, pooled
     def __init__(self, path):
         with h5py.File(path) as f:
-            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", 22] or "network_1" not in f:
-                raise ValueError(f"{path}: not a trained posterior of schema 22; npdr run makes one")
+            if [f.attrs.get(k) for k in ("schema", "schema_version")] != ["posterior", SCHEMA] or "network_1" not in f:
+                raise ValueError(f"{path}: not a trained posterior of schema {SCHEMA}; npdr run makes one")
             embedding = json.loads(f.attrs["trained_embedding"])
             config, self.prior, self.role = json.loads(f.attrs["density_estimator"]), Prior(f), f.attrs["network_role"]
             names = [f"network_{m + 1}" for m in range(config["num_networks"])]

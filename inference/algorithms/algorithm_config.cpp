@@ -9,28 +9,25 @@
 namespace npdr::inference {
 namespace {
 
-constexpr std::array kMixtures = {EstimatorKind::mdn};
-constexpr std::array kDensities = {EstimatorKind::nsf, EstimatorKind::maf, EstimatorKind::mdn};
-constexpr std::array kRatios = {EstimatorKind::resnet};
-
 using A = Algorithm;
+using E = Estimate;
 using F = AlgorithmFamily;
 using R = NetworkRole;
 
 // Every algorithm. To add one that trains a network, write its Objective, a case for it in
 // round_task.cpp, and a row here. Other spellings are those of older papers and tools.
 constexpr std::array kAlgorithms = std::to_array<AlgorithmTraits>({
-    {{A::npe_nle, "npe_nle"}, F::network, R::posterior, kDensities},
-    {{A::npe_a, "npe_a", "snpe_a snpe-a bayessim"}, F::network, R::posterior, kMixtures, true},
-    {{A::npe_b, "npe_b", "snpe_b snpe-b"}, F::network, R::posterior, kDensities},
-    {{A::npe_c, "npe_c", "snpe_c snpe-c apt"}, F::network, R::posterior, kDensities},
-    {{A::nle, "nle", "snle"}, F::network, R::likelihood, kDensities},
-    {{A::nre_a, "nre_a", "aalr snre_a"}, F::network, R::ratio, kRatios},
-    {{A::nre_b, "nre_b", "snre_b"}, F::network, R::ratio, kRatios},
+    {{A::npe_nle, "npe_nle"}, F::network, R::posterior, E::density},
+    {{A::npe_a, "npe_a", "snpe_a snpe-a bayessim"}, F::network, R::posterior, E::mixture, true},
+    {{A::npe_b, "npe_b", "snpe_b snpe-b"}, F::network, R::posterior, E::density},
+    {{A::npe_c, "npe_c", "snpe_c snpe-c apt"}, F::network, R::posterior, E::density},
+    {{A::nle, "nle", "snle"}, F::network, R::likelihood, E::density},
+    {{A::nre_a, "nre_a", "aalr snre_a"}, F::network, R::ratio, E::ratio},
+    {{A::nre_b, "nre_b", "snre_b"}, F::network, R::ratio, E::ratio},
     {{A::abc_rejection, "abc_rejection", "abc rejection_abc mcabc"},
      F::abc,
      R::posterior,
-     {},
+     E::density,
      false,
      true},
     {{A::abc_mcmc, "abc_mcmc", "mcmc_abc"}, F::abc},
@@ -49,10 +46,16 @@ const AlgorithmTraits& traits_of(Algorithm algorithm) {
   return *std::ranges::find(kAlgorithms, algorithm, &AlgorithmTraits::value);
 }
 
+std::vector<EstimatorKind> estimators_of(const AlgorithmTraits& traits) {
+  if (traits.family != F::network) return {};
+  std::vector<EstimatorKind> kinds = kinds_that_give(traits.estimate);
+  std::ranges::stable_partition(kinds,
+                                [](EstimatorKind kind) { return kind == EstimatorConfig{}.kind; });
+  return kinds;
+}
+
 std::string estimator_list(const AlgorithmTraits& traits) {
-  std::vector<std::string> names;
-  for (const EstimatorKind kind : traits.estimators) names.push_back(name_of(kind));
-  return join(names);
+  return join(to_names(estimators_of(traits)));
 }
 
 bool allows_ensembles(const AlgorithmTraits& traits) {
@@ -62,7 +65,7 @@ bool allows_ensembles(const AlgorithmTraits& traits) {
 void check_estimator(Algorithm algorithm, const EstimatorConfig& estimator) {
   const AlgorithmTraits& traits = traits_of(algorithm);
   const std::string with = " with algorithm '" + name_of(algorithm) + "'";
-  if (std::ranges::count(traits.estimators, estimator.kind) == 0) {
+  if (std::ranges::count(estimators_of(traits), estimator.kind) == 0) {
     throw InputError("density_estimator.kind = '" + name_of(estimator.kind) + "', must be one of " +
                      estimator_list(traits) + with);
   }
@@ -73,7 +76,7 @@ void check_estimator(Algorithm algorithm, const EstimatorConfig& estimator) {
 }
 
 Loss resolve_loss(const AlgorithmConfig& config, EstimatorKind estimator) {
-  const bool is_mixture = estimator == EstimatorKind::mdn;
+  const bool is_mixture = traits_of(estimator).gives(Estimate::mixture);
   if (config.loss == Loss::analytic && !is_mixture) {
     throw InputError("loss = 'analytic' needs density_estimator.kind = 'mdn', found '" +
                      name_of(estimator) + "'; use 'atomic' or 'auto'");

@@ -41,8 +41,7 @@ enum class AlgorithmFamily {
 struct AlgorithmTraits : EnumRow<Algorithm> {
   AlgorithmFamily family;
   NetworkRole role = NetworkRole::posterior;  ///< of a network
-  /// The kinds of density estimators that it can use, the usual one first; none without a network.
-  std::span<const EstimatorKind> estimators = {};
+  Estimate estimate = Estimate::density;      ///< that the network must give
   /// One Gaussian is the network until the last round, which grows it to a mixture; posteriors are
   /// divided by their proposal.
   bool grows_in_last_round = false;
@@ -53,7 +52,9 @@ struct AlgorithmTraits : EnumRow<Algorithm> {
 std::span<const AlgorithmTraits> enum_table(Algorithm);
 const AlgorithmTraits& traits_of(Algorithm algorithm);
 
-/// "maf, mdn, nsf": the estimators that the algorithm can use.
+/// The kinds of density estimators that it can use, the usual one first; none without a network.
+std::vector<EstimatorKind> estimators_of(const AlgorithmTraits& traits);
+/// "nsf, maf, mdn": their names.
 std::string estimator_list(const AlgorithmTraits& traits);
 
 /// NPE-C's correction for proposals that aren't the prior (npe_c.h).

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/matrix_blocking.h"
+#include "core/text.h"
 #include "inference/estimators/maf.h"
 #include "inference/estimators/mixture_density_network.h"
 #include "inference/estimators/scalar.h"
@@ -24,8 +25,9 @@ std::unique_ptr<DensityEstimator<S>> make_estimator(const EstimatorConfig& confi
     case EstimatorKind::resnet:
       break;
   }
-  throw InputError("density_estimator.kind = '" + name_of(config.kind) +
-                   "', must be one of maf, mdn, nsf: it gives ratios, no density");
+  throw InputError("density_estimator.kind = '" + name_of(config.kind) + "', must be one of " +
+                   join(to_names(kinds_that_give(Estimate::density))) +
+                   ": it gives ratios, no density");
 }
 
 template <typename S>

@@ -24,7 +24,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// A line about each name that studies choose from; checks have questions of their own.
+// A line about each name that studies choose from; checks and estimators have words of their own.
 const std::map<std::string_view, const char*> kWords = {
     // algorithms
     {"npe_nle",
@@ -55,11 +55,6 @@ const std::map<std::string_view, const char*> kWords = {
     {"last_step", "the last states alone"},
     {"bayessim", "sums over each series: short, and blind to much of it"},
     {"identity", "the features as the simulator gives them"},
-    // estimators
-    {"maf", "masked autoregressive flow: any shape with one bulge or a few"},
-    {"mdn", "mixture of Gaussians: quick, for a few modes"},
-    {"nsf", "neural spline flow: sharp and bent shapes, slower"},
-    {"resnet", "residual network, for ratios alone (nre_a, nre_b)"},
     // priors
     {"uniform", "[low, high]: every value between is as likely"},
     {"log_uniform", "[low, high] with low > 0: every order of magnitude is as likely"},
@@ -79,6 +74,9 @@ const std::map<std::string_view, const char*> kWords = {
 
 std::string_view words_of(const auto& row) { return kWords.at(row.name); }
 std::string_view words_of(const CheckTraits& row) { return row.question; }
+std::string words_of(const inference::EstimatorTraits& row) {
+  return fmt::format("{}{}", row.title, row.words);
+}
 
 void list_channels(const char* title, const std::vector<Channel>& channels) {
   if (!channels.empty()) fmt::print("{}:\n", title);

@@ -35,12 +35,11 @@ void require_its_series(const std::string& where, const inference::NetworkParts&
 // exactly.
 Index fewest_weights(const inference::NetworkParts& parts) {
   const inference::EstimatorConfig& c = parts.estimator;
-  using enum inference::EstimatorKind;
-  const bool is_flow = c.kind == maf || c.kind == nsf;
   const bool is_likelihood = parts.role() == inference::NetworkRole::likelihood;
   const Index width = is_likelihood ? parts.transform.num_outputs() : parts.prior.dimension();
-  const Index layers = c.kind == resnet ? 2 * c.num_hidden_layers : c.num_hidden_layers - 1;
-  return (is_flow ? c.num_transforms : 1) * c.hidden_features *
+  const Index layers = c.kind == inference::EstimatorKind::resnet ? 2 * c.num_hidden_layers
+                                                                  : c.num_hidden_layers - 1;
+  return (traits_of(c.kind).stacks_transforms ? c.num_transforms : 1) * c.hidden_features *
          (layers * c.hidden_features + width);
 }
 

@@ -247,7 +247,7 @@ void write_posterior(h5::File& file, const MethodConfig& method,
   describe(f, parts, observed);
   describe_layers(f, parts);
   const auto* direct = dynamic_cast<const inference::DirectPosterior*>(&posterior);
-  if (direct != nullptr && parts.estimator.kind == inference::EstimatorKind::mdn) {
+  if (direct != nullptr && traits_of(parts.estimator.kind).gives(inference::Estimate::mixture)) {
     describe_mixture(f, direct->mixture());
   }
   const std::span all = trainings;

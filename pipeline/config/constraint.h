@@ -124,7 +124,7 @@ std::string marginal_words();
 
 /// A field (study_fields.h) that holds one value of an enumeration: its name to every visitor.
 template <class Fields, NamedEnum E, class... Use>
-void choice(Fields& f, const char* key, E& value, const char* doc, const Use&... use) {
+void choice(Fields& f, const char* key, E& value, std::string_view doc, const Use&... use) {
   std::string name = name_of(value);
   f(key, name, one_of<E>(), doc, use...);
   value = parse_enum<E>(key, name);

@@ -151,7 +151,7 @@ class MethodChecker : Checker {
             inference::allows_ensembles(algorithm_) || method_.density_estimator.num_networks == 1,
             fmt::format("1 with algorithm '{}': the posteriors of several can't be averaged",
                         algorithm_.name));
-    require(path, kind, std::ranges::count(algorithm_.estimators, kind) > 0,
+    require(path, kind, std::ranges::count(estimators_of(algorithm_), kind) > 0,
             fmt::format("one of {} with algorithm '{}'", inference::estimator_list(algorithm_),
                         algorithm_.name));
     const EmbeddingKind embedding = method_.embedding.kind;
@@ -170,7 +170,7 @@ class MethodChecker : Checker {
       if (!reading_.good(at(key))) return;
     }
     const bool has_loss = algorithm.kind != Algorithm::npe_c || algorithm.loss != Loss::analytic ||
-                          kind == EstimatorKind::mdn;
+                          traits_of(kind).gives(inference::Estimate::mixture);
     if (!require(at("loss"), algorithm.loss, has_loss,
                  fmt::format("'auto' or 'atomic' with density_estimator.kind = '{}': only 'mdn' "
                              "has one",

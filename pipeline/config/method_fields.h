@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/text.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/study.h"
 #include "pipeline/config/study_json.h"
@@ -41,13 +42,17 @@ void describe(Fields& f, inference::TrainedEmbeddingConfig& c) {
 
 template <class Fields>
 void describe(Fields& f, inference::EstimatorConfig& c) {
-  choice(f, "kind", c.kind,
-         "masked autoregressive flow, mixture of Gaussians, neural spline flow, residual network");
+  std::vector<std::string> titles, flows;
+  for (const auto& row : enum_table(c.kind)) {
+    titles.emplace_back(row.title);
+    if (row.stacks_transforms) flows.push_back(fmt::format("\"{}\"", row.name));
+  }
+  choice(f, "kind", c.kind, join(titles));
   f("num_networks", c.num_networks, between(c.kNumNetworks),
     "trained side by side, each from other weights and on another part of the simulations; the "
     "posterior is the mean of theirs");
   f("num_transforms", c.num_transforms, between(1, kMaxLayers),
-    "autoregressive transforms (\"maf\" and \"nsf\" only)");
+    fmt::format("autoregressive transforms ({} only)", join(flows, " and ")));
   f("num_bins", c.num_bins, between(c.kNumBins), "bins of each spline (\"nsf\" only)");
   f("num_components", c.num_components, between(1, kMaxLayers),
     "Gaussians in the mixture (\"mdn\" only)");

@@ -160,8 +160,8 @@ class Resolver {
       method.abc.quantile = smc_quantile;
     }
     if (traits.family != network && traits.family != abc) method.algorithm.num_rounds = 1;
-    if (!traits.estimators.empty() && leaves_out(".density_estimator.kind")) {
-      method.density_estimator.kind = traits.estimators.front();
+    if (traits.family == network && leaves_out(".density_estimator.kind")) {
+      method.density_estimator.kind = inference::estimators_of(traits).front();
     }
     if (!inference::allows_ensembles(traits) && leaves_out(".density_estimator.num_networks")) {
       method.density_estimator.num_networks = 1;

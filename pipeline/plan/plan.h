@@ -59,9 +59,7 @@ constexpr auto enum_table(Stage) {
                                      {{report, "report"}, "npdr-report", &C::report, false}});
 }
 
-constexpr StageTraits traits_of(Stage stage) {
-  return enum_table(stage)[static_cast<std::size_t>(stage)];
-}
+constexpr StageTraits traits_of(Stage stage) { return row_of(stage); }
 
 /// Who uses an artefact: methods that share prior, budget and seed share simulations.
 struct Use {
@@ -135,6 +133,12 @@ struct Plan {
   /// user's may be slow: for them it costs what the simulations of one experiment do.
   Index num_floor_evaluations() const;
 };
+
+/// Makes the artefact of a stage (pipeline/stages/stages.h); of a simulation the shards with these
+/// numbers (empty: all) and, once all are there, the artefact that joins them. Each stage
+/// specializes it beside what it does: one without doesn't link.
+template <Stage stage>
+void run(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers);
 
 /// Plans `study`. Reads the recording, if there is one: its content is part of every key. Throws
 /// InputError for a bad recording or a selection that names what isn't there.

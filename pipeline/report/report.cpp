@@ -201,7 +201,8 @@ std::string posterior_of(const ReportData& data, const std::string& method) {
 
 }  // namespace
 
-void run_report(const Plan& plan, const Node& node) {
+template <>
+void run<Stage::report>(const Plan& plan, const Node& node, const std::vector<Index>&) {
   const std::string warnings = check_simulations(plan);
   const ReportData data = read_report_data(plan, node);
   const fs::path folder = plan.work.study(plan.study.name);

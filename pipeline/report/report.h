@@ -1,14 +1,12 @@
-/// The report of a study: tables, figures, report.html.
+/// The report of a study: tables, figures, report.html. run<Stage::report>() (plan.h) makes them
+/// from all evaluations and checks. It throws InputError for a damaged artefact,
+/// FailedRolloutsError when more rollouts failed than the study allows, Error when a figure can't
+/// be drawn or writing fails.
 #pragma once
 
 #include "pipeline/findings/data.h"
 
 namespace npdr::pipeline {
-
-/// Makes the artefact of the stage 'report' from all evaluations and checks. Throws InputError for
-/// a damaged artefact, FailedRolloutsError when more rollouts failed than the study allows, Error
-/// when a figure can't be drawn or writing fails.
-void run_report(const Plan& plan, const Node& node);
 
 /// Lines to copy: paths of the posteriors with their verdicts, and commands that sample and read
 /// the posterior of which the fewest checks fail.

@@ -1,11 +1,12 @@
 #include "pipeline/run/run_stage.h"
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "core/error.h"
 #include "core/stop_request.h"
 #include "pipeline/plan/completeness.h"
-#include "pipeline/report/report.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -20,31 +21,10 @@ bool saves_work_on_request(const Plan& plan, const Node& node) {
   return node.stage != report && plan.study.source().calls_program;
 }
 
-// No default: the compiler tells which stage is missing.
-void make(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers) {
-  switch (node.stage) {
-    case Stage::target:
-    case Stage::held_out:
-      return run_target(plan, node);
-    case Stage::propose:
-      return run_propose(plan, node);
-    case Stage::simulate:
-      return run_simulate(plan, node, shard_numbers);
-    case Stage::infer:
-      return run_infer(plan, node);
-    case Stage::baseline:
-      return run_baseline(plan, node);
-    case Stage::evaluate:
-      return run_evaluate(plan, node);
-    case Stage::diagnose:
-      return run_diagnose(plan, node);
-    case Stage::policy:
-      return run_policy(plan, node);
-    case Stage::policy_test:
-      return run_policy_test(plan, node);
-    case Stage::report:
-      return run_report(plan, node);
-  }
+// By their values.
+template <int... i>
+constexpr auto all_runs(std::integer_sequence<int, i...>) {
+  return std::array{&run<Stage{i}>...};
 }
 
 }  // namespace
@@ -56,7 +36,8 @@ void run_stage(const Plan& plan, const Node& node, const std::vector<Index>& sha
   }
   if (saves_work_on_request(plan, node)) watch_for_stop_requests();
   require_inputs(plan, node);
-  make(plan, node, shard_numbers);
+  constexpr auto runs = all_runs(std::make_integer_sequence<int, enum_table(Stage{}).size()>());
+  runs[static_cast<std::size_t>(node.stage)](plan, node, shard_numbers);
   if (is_complete(plan, node)) settle(plan, node);
 }
 

@@ -290,7 +290,8 @@ inference::TrainingCheck check_training_curves(const PosteriorNotes& notes,
   return *std::ranges::max_element(checks, is_better);
 }
 
-void run_diagnose(const Plan& plan, const Node& node) {
+template <>
+void run<Stage::diagnose>(const Plan& plan, const Node& node, const std::vector<Index>&) {
   ArtefactWriter writer(node.path, kDiagnosisSchema, node.identity);
   Case c = make_case(plan, node);
   Diagnosis diagnosis;

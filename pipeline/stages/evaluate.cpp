@@ -113,7 +113,8 @@ void predict(const Plan& plan, const Node& node, const Judge& judge, const Strea
 
 }  // namespace
 
-void run_baseline(const Plan& plan, const Node& node) {
+template <>
+void run<Stage::baseline>(const Plan& plan, const Node& node, const std::vector<Index>&) {
   ArtefactWriter writer(node.path, kBaselineSchema, node.identity);
   const Judge judge(plan, node);
   Baseline baseline{.points = {}, .prior = {}, .parameters = plan.study.prior};
@@ -136,7 +137,8 @@ void run_baseline(const Plan& plan, const Node& node) {
   writer.finish();
 }
 
-void run_evaluate(const Plan& plan, const Node& node) {
+template <>
+void run<Stage::evaluate>(const Plan& plan, const Node& node, const std::vector<Index>&) {
   ArtefactWriter writer(node.path, kEvaluationSchema, node.identity);
   const Use& use = node.uses.front();
   const std::uint64_t round = use.stream_round();

@@ -109,7 +109,8 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
 
 }  // namespace
 
-void run_infer(const Plan& plan, const Node& node) {
+template <>
+void run<Stage::infer>(const Plan& plan, const Node& node, const std::vector<Index>&) {
   ArtefactWriter writer(node.path, kPosteriorSchema, node.identity);
   const MethodConfig& method = plan.study.method(node.uses.front().method);
   switch (inference::traits_of(method.algorithm.kind).family) {

@@ -191,7 +191,8 @@ PolicyOutcomes try_policy(const Node& node, const sim::PolicyTask& task, const R
 
 }  // namespace
 
-void run_policy(const Plan& plan, const Node& node) {
+template <>
+void run<Stage::policy>(const Plan& plan, const Node& node, const std::vector<Index>&) {
   ArtefactWriter writer(node.path, kPolicySchema, node.identity);
   Search search(plan, node);
   writer.add_cost(search.resume());
@@ -201,7 +202,8 @@ void run_policy(const Plan& plan, const Node& node) {
   writer.finish();
 }
 
-void run_policy_test(const Plan& plan, const Node& node) {
+template <>
+void run<Stage::policy_test>(const Plan& plan, const Node& node, const std::vector<Index>&) {
   ArtefactWriter writer(node.path, kPolicyTestSchema, node.identity);
   const Study& study = plan.study;
   const auto task = make_task(study);

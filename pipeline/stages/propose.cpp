@@ -90,7 +90,8 @@ RowMatrix propose_from(const Plan& plan, const Node& posterior, Index n, const S
 
 }  // namespace
 
-void run_target(const Plan& plan, const Node& node) {
+template <>
+void run<Stage::target>(const Plan& plan, const Node& node, const std::vector<Index>&) {
   ArtefactWriter writer(node.path, kTargetSchema, node.identity);
   if (plan.find_input(node, "policy") != nullptr) {
     write_rollouts(writer.file(), collect(plan, node));
@@ -102,7 +103,13 @@ void run_target(const Plan& plan, const Node& node) {
   writer.finish();
 }
 
-void run_propose(const Plan& plan, const Node& node) {
+template <>
+void run<Stage::held_out>(const Plan& plan, const Node& node, const std::vector<Index>& none) {
+  run<Stage::target>(plan, node, none);
+}
+
+template <>
+void run<Stage::propose>(const Plan& plan, const Node& node, const std::vector<Index>&) {
   ArtefactWriter writer(node.path, kProposalSchema, node.identity);
   const Use& use = node.uses.front();
   const Index n = num_rows(plan, node);

@@ -188,7 +188,9 @@ void warn_of_failures(const Simulation& simulation) {
 
 }  // namespace
 
-void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers) {
+template <>
+void run<Stage::simulate>(const Plan& plan, const Node& node,
+                          const std::vector<Index>& shard_numbers) {
   const std::vector<Shard> all = shards(plan, node);
   std::vector<Index> numbers = shard_numbers;
   for (Index i = 0; shard_numbers.empty() && i < std::ssize(all); ++i) numbers.push_back(i);

@@ -2,7 +2,7 @@
 /// pipeline/stages.
 ///
 /// Each infer_ function makes the posterior of a family of algorithms and fills the artefact of
-/// `node`; the caller finishes the artefact. Throws as run_infer() does.
+/// `node`; the caller finishes the artefact. Throws as stages do.
 #pragma once
 
 #include <filesystem>

@@ -1,27 +1,18 @@
-/// The stages: each makes one artefact of a plan from the artefacts that it needs, which are there.
+/// The stages: run<Stage::NAME>() (plan.h) makes one artefact of a plan from the artefacts that it
+/// needs, which are there. Here is what else they offer.
 ///
 /// Killed at any instant, the next call gives the same bits: simulations go on from their last
 /// shard, trainings, diagnoses and policy searches from their last checkpoint, the others begin
 /// anew.
 ///
-/// Each throws InputError for a damaged input, FailedRolloutsError when more rows of a simulation
-/// failed than the study allows, Error when a truth can't be simulated or writing fails,
-/// Checkpointed when it is asked to stop.
+/// Each throws InputError for a damaged input or a number that no shard has, FailedRolloutsError
+/// when more rows of a simulation failed than the study allows, Error when a truth can't be
+/// simulated or writing fails, Checkpointed when it is asked to stop.
 #pragma once
-
-#include <vector>
 
 #include "pipeline/plan/plan.h"
 
 namespace npdr::pipeline {
-
-void run_target(const Plan& plan, const Node& node);
-void run_propose(const Plan& plan, const Node& node);
-
-/// The shards with these numbers (empty: all), then, once all are there, the artefact that joins
-/// them. Throws InputError for a number that no shard has.
-void run_simulate(const Plan& plan, const Node& node, const std::vector<Index>& shard_numbers = {});
-void run_infer(const Plan& plan, const Node& node);
 
 /// A helper of a refinement: number 1, 2, ... of so many; 0: the refinement itself.
 struct Helper {
@@ -33,18 +24,8 @@ struct Helper {
 inline constexpr double kHelperPatience = 600.0;
 /// Simulates the rows that the refinement `node` asks for, together with it, until its artefact is
 /// complete or nothing was asked for in `patience` seconds. Waits as long for what `node` needs,
-/// too. Returns the number of rows. Throws as run_infer(), and InputError when its inputs don't
-/// come.
+/// too. Returns the number of rows. Throws as stages do, and InputError when its inputs don't come.
 Index help_refinement(const Plan& plan, const Node& node, const Helper& helper,
                       double patience = kHelperPatience);
-
-void run_baseline(const Plan& plan, const Node& node);
-void run_evaluate(const Plan& plan, const Node& node);
-/// Checks a method's posteriors of one seed.
-void run_diagnose(const Plan& plan, const Node& node);
-/// Searches for a policy under the posterior of an iteration.
-void run_policy(const Plan& plan, const Node& node);
-/// Tests a policy in the target domain, and over the grid.
-void run_policy_test(const Plan& plan, const Node& node);
 
 }  // namespace npdr::pipeline

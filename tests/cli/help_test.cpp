@@ -1,4 +1,5 @@
 // What npdr says of itself, for which no study has to run.
+#include "pipeline/plan/plan.h"
 #include "tests/cli/program.h"
 
 namespace npdr::pipeline {
@@ -25,6 +26,13 @@ TEST_F(Help, HelpListAndCompletionKnowAllCommands) {
                    {"npdr help: unknown command 'runn' (did you mean 'run'?)"}));
   EXPECT_TRUE(says(npdr({"completion", "tcsh"}).err,
                    {"npdr completion: unknown shell 'tcsh'", "bash, zsh, fish"}));
+}
+
+TEST_F(Help, EveryStageHasItsProgram) {
+  for (const StageTraits& stage : enum_table(Stage{})) {
+    const Outcome help = run(folder_.path(), {std::string(stage.program), "--help"});
+    EXPECT_TRUE(has(help.out, std::string(stage.name))) << stage.program << help.err;
+  }
 }
 
 TEST_F(Help, HelpFitsIntoATerminal) {

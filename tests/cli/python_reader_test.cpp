@@ -1,4 +1,7 @@
 /// The readers of posterior files in python/ say what the program says.
+#include <fmt/format.h>
+
+#include "pipeline/artefacts/schemas.h"
 #include "pipeline/store/h5.h"
 #include "tests/cli/program.h"
 
@@ -53,6 +56,11 @@ StudyText study_of_all_kinds() {
                       sampler})
       .method("abc", {"algorithm = \"abc_rejection\"", some, components,
                       "abc = { quantile = 0.2, smooth = true }"});
+}
+
+TEST(PythonReaderText, NamesTheSchemaOfPosteriors) {
+  EXPECT_TRUE(has(text_of(kSources / "python/npdr_posterior.py"),
+                  fmt::format("\nSCHEMA = {}  #", kPosteriorSchema.version)));
 }
 
 class PythonReader : public ::testing::Test {
@@ -158,7 +166,8 @@ TEST_F(PythonReader, RefusesWhatItCantRead) {
     EXPECT_TRUE(has(found, message));
   };
   expect_says("npdr_posterior", "Posterior", "runs/one/target.h5",
-              "target.h5: not a trained posterior of schema 22; npdr run makes one");
+              "target.h5: not a trained posterior of schema " +
+                  std::to_string(kPosteriorSchema.version) + "; npdr run makes one");
   expect_says("npdr_particles", "Particles", "runs/one/maf/seed-1/round-1/infer.h5",
               "infer.h5: holds no particles; read it by npdr_posterior.py");
 }

@@ -27,6 +27,17 @@ TEST(EnumNames, OtherSpellingsAreReadAndNeverWritten) {
   EXPECT_EQ(name_of(Shape::disk), "disk");
 }
 
+TEST(EnumNames, KnowWhetherRowsAreInTheOrderOfTheirValues) {
+  EXPECT_FALSE(is_in_order(enum_table(Shape{})));
+  constexpr auto squares = std::to_array<EnumRow<Shape>>({{Shape::square, ""}, {Shape::disk, ""}});
+  EXPECT_TRUE(is_in_order(squares));
+}
+
+TEST(EnumNames, KnowWhichNumbersHaveAValue) {
+  EXPECT_TRUE(is_enumerator<Shape::none>());
+  EXPECT_FALSE(is_enumerator<static_cast<Shape>(3)>());
+}
+
 TEST(EnumNames, ListsAreInTheTablesOrderWithoutNothing) {
   EXPECT_EQ(names_of<Shape>(), (std::vector<std::string>{"disk", "square"}));
 }

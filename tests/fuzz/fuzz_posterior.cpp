@@ -87,12 +87,14 @@ const std::vector<H5Model>& models() {
     corrected.of_role = inference::DirectParts{
         .proposal = inference::GaussianMixture{
             Vector::Zero(1), {Vector::Zero(2)}, {Eigen::MatrixXd::Identity(2, 2)}}};
+    std::vector<inference::NetworkParts> networks = {
+        corrected, pool(), network(NetworkRole::likelihood, EstimatorKind::maf)};
+    for (const EstimatorKind kind : values_of<EstimatorKind>()) {
+      const bool is_ratio = traits_of(kind).gives(inference::Estimate::ratio);
+      networks.push_back(network(is_ratio ? NetworkRole::ratio : NetworkRole::posterior, kind));
+    }
     std::vector<H5Model> made;
-    for (const inference::NetworkParts& parts :
-         {network(NetworkRole::posterior, EstimatorKind::maf),
-          network(NetworkRole::posterior, EstimatorKind::nsf), corrected, pool(),
-          network(NetworkRole::likelihood, EstimatorKind::maf),
-          network(NetworkRole::ratio, EstimatorKind::resnet)}) {
+    for (const inference::NetworkParts& parts : networks) {
       made.push_back(model_of(kPosteriorSchema, [&](h5::File& f) { write_network(f, parts); }));
     }
     for (const bool is_smooth : {false, true}) {

@@ -33,7 +33,7 @@ class DirectPosteriors : public ::testing::TestWithParam<EstimatorKind> {
   const DirectPosterior posterior_ = untrained(GetParam());
 };
 INSTANTIATE_TEST_SUITE_P(Kinds, DirectPosteriors,
-                         ::testing::Values(EstimatorKind::maf, EstimatorKind::mdn));
+                         ::testing::ValuesIn(kinds_that_give(Estimate::density)));
 
 TEST_P(DirectPosteriors, DensityOverThePriorsBoxIntegratesToOne) {
   constexpr Index side = 300;

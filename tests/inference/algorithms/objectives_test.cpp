@@ -23,7 +23,7 @@ TEST(LikelihoodObjective, GradientEqualsCentralDifferences) {
   std::iota(all.begin(), all.end(), 0u);
   VectorF weights(60);
   for (Index i = 0; i < 60; ++i) weights(i) = 0.1f * static_cast<float>(i % 7);
-  for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::nsf, EstimatorKind::mdn}) {
+  for (const EstimatorKind kind : kinds_that_give(Estimate::density)) {
     for (const Of of : {Of::u_given_z, Of::z_given_u}) {
       const auto network = make_network(small(kind), 2, {}, 2, 1);
       LikelihoodObjective objective(of, network, small_batch.transform, small_batch.data, all,

@@ -223,7 +223,8 @@ TEST(Algorithms, SayWhichEstimatorsSuitThem) {
 TEST(Algorithms, EveryOneIsFoundByItsNameAndByOlderSpellings) {
   for (const AlgorithmTraits& traits : enum_table(Algorithm{})) {
     EXPECT_EQ(value_named<Algorithm>(traits.name), traits.value) << traits.name;
-    EXPECT_EQ(traits.estimators.empty(), traits.family != AlgorithmFamily::network) << traits.name;
+    EXPECT_EQ(estimators_of(traits).empty(), traits.family != AlgorithmFamily::network)
+        << traits.name;
   }
   EXPECT_EQ(value_named<Algorithm>("bayessim"), Algorithm::npe_a);
   EXPECT_EQ(value_named<Algorithm>("snle"), Algorithm::nle);

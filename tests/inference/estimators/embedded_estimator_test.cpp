@@ -9,7 +9,7 @@ namespace npdr::inference {
 namespace {
 
 TEST(EmbeddedEstimator, BackwardPassEqualsCentralDifferencesThroughTheLinearLayer) {
-  for (const EstimatorKind kind : {EstimatorKind::maf, EstimatorKind::mdn}) {
+  for (const EstimatorKind kind : kinds_that_give(Estimate::density)) {
     for (const Index features : {0, 4}) {
       EstimatorConfig config;
       config.kind = kind;
@@ -38,9 +38,10 @@ TEST(EmbeddedEstimator, BackwardPassEqualsCentralDifferencesThroughTheLinearLaye
 }
 
 TEST(EmbeddedEstimator, RejectsAKindWithoutADensity) {
-  EstimatorConfig config;
-  config.kind = EstimatorKind::resnet;
-  EXPECT_THROW(EmbeddedEstimator<float>(2, {}, config, 2, {1, "structure", 0, 0, 0}), InputError);
+  for (const EstimatorKind kind : kinds_that_give(Estimate::ratio)) {
+    const EstimatorConfig config{.kind = kind};
+    EXPECT_THROW(EmbeddedEstimator<float>(2, {}, config, 2, {1, "structure", 0, 0, 0}), InputError);
+  }
 }
 
 }  // namespace
