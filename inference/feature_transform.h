@@ -30,7 +30,7 @@ namespace npdr::inference {
 
 struct FeatureTransform {
   static constexpr float kFarthest = 100.0f;        ///< standardized value that counts in full
-  static constexpr double kLeastDeviation = 1e-36;  ///< of a feature that varies
+  static constexpr double kLeastDeviation = 2e-38;  ///< of a feature that varies
 
   VectorF mean;                ///< (F + K)
   VectorF inverse_deviation;   ///< (F + K); 0: the feature doesn't vary, and carries nothing

@@ -40,4 +40,10 @@ bool is_design(const Levels& levels);
 /// Throws InputError for a marginal that is no prior.
 double distance_of_levels(const Levels& levels, const Marginal& marginal);
 
+/// P(values of `num_draws` independent draws of `marginal` are as far from it): twice the smaller
+/// p-value of Anderson and Darling's test (uniformity.h), which sees shifts and missing tails, and
+/// of the mean square of u by chi^2, which sees a wrong width. Values of a level are spread over
+/// the ranks that it has, and moved as far as F(level) lies outside of these: rounding isn't seen.
+double p_value_of_levels(const Levels& levels, const Marginal& marginal, Index num_draws);
+
 }  // namespace npdr::inference

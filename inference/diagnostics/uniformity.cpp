@@ -38,6 +38,21 @@ double kolmogorov_smirnov_p_value(double statistic, Index n) {
   return kolmogorov_tail((root + 0.12 + 0.11 / root) * statistic);
 }
 
+double anderson_darling(const Vector& values) {
+  Vector f = values;
+  std::sort(f.begin(), f.end());
+  const Index n = f.size();
+  double sum = 0.0;
+  for (Index i = 0; i < n; ++i) {
+    sum += static_cast<double>(2 * i + 1) * (std::log(f(i)) + std::log1p(-f(n - 1 - i)));
+  }
+  return -static_cast<double>(n) - sum / static_cast<double>(n);
+}
+
+double anderson_darling_p_value(double statistic) {
+  return std::min(1.0, std::sqrt(3.0) * std::erfc(std::sqrt(std::max(statistic, 0.0))));
+}
+
 KolmogorovSmirnov test_kolmogorov_smirnov(const Vector& values) {
   require_unit_interval(values);
   Vector sorted = values;

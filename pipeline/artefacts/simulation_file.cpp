@@ -173,7 +173,7 @@ Identity shard_identity(const Identity& simulation, RowRange rows) {
 
 void join_shards(const ArtefactFile& simulation, const Identity& identity, const Study& study,
                  const Target& target, const std::vector<Shard>& shards,
-                 const std::string& warning) {
+                 std::vector<std::string> warnings) {
   const Index n = shards.back().rows.end;
   ArtefactWriter writer(simulation.path, kSimulationSchema, identity);
   h5::File& file = writer.file();
@@ -181,8 +181,6 @@ void join_shards(const ArtefactFile& simulation, const Identity& identity, const
   describe_rows(f, study.prior, n);
   std::vector<h5::VirtualSource> sources;
   std::vector<MadeShard> made;
-  std::vector<std::string> warnings;
-  if (!warning.empty()) warnings.push_back(warning);
   Index num_failed = 0;
   for (const Shard& part : shards) {
     const h5::File shard = open_artefact({part.path, shard_identity(identity, part.rows).key()},

@@ -46,11 +46,11 @@ struct Shard {
   std::filesystem::path path;
 };
 
-/// Joins the shards of a simulation, with their warnings and the one that all rows give together
-/// ("": none). Throws InputError for a damaged one, Error when writing fails.
+/// Joins the shards of a simulation, with `warnings`, which all rows give together, and their own.
+/// Throws InputError for a damaged one, Error when writing fails.
 void join_shards(const ArtefactFile& simulation, const Identity& identity, const Study& study,
                  const Target& target, const std::vector<Shard>& shards,
-                 const std::string& warning);
+                 std::vector<std::string> warnings);
 
 /// Warnings of a shard's or a simulation's rows (first_rows.h). None leave the file as it is.
 void write_warnings(h5::File& file, const std::vector<std::string>& warnings);

@@ -74,10 +74,11 @@ class Inspection {
   Inspection(const RowMatrix& theta, const inference::Prior& prior) : theta_(theta), prior_(prior) {
     std::set<std::vector<double>> different;
     for (const auto& row : theta.rowwise()) different.emplace(row.begin(), row.end());
+    num_different_ = std::ssize(different);
     for (Index d = 0; d < theta.cols(); ++d) {
       const inference::Levels levels = inference::levels_of(theta.col(d));
       columns_.push_back({prior.marginals()[static_cast<std::size_t>(d)], theta.col(d), levels,
-                          num_draws_of(levels, theta.rows(), std::ssize(different))});
+                          num_draws_of(levels, theta.rows(), num_different_)});
     }
   }
 
@@ -137,12 +138,14 @@ class Inspection {
   void find_another_prior(const Column& column) {
     constexpr double grave = 0.05;
     const double distance = inference::distance_of_levels(column.levels, column.prior);
-    const double p_value = inference::kolmogorov_smirnov_p_value(distance, column.num_draws);
+    const double p_value =
+        inference::p_value_of_levels(column.levels, column.prior, column.num_draws);
     if (inference::corrected(p_value, theta_.cols()) >= kFalseAlarmRate) return;
-    tell(fmt::format("{} of the dataset isn't distributed as the prior says "
-                     "(Kolmogorov-Smirnov {:.2f}, p = {:.1g}): posteriors are those of "
-                     "the distribution that it was drawn from; ignore this if you mean that one",
-                     column.prior.name, distance, p_value),
+    tell(fmt::format(
+             "{} of the dataset isn't distributed as the prior says "
+             "(their distribution functions differ by {:.2g}, p = {:.1g}): posteriors are those of "
+             "the distribution that it was drawn from; ignore this if you mean that one",
+             column.prior.name, distance, p_value),
          distance > grave);
   }
 
@@ -193,14 +196,16 @@ class Inspection {
     return centered.transpose() * centered;
   }
 
-  // (D, D): of two parameters as many draws as of the one that has more; 0 of too few.
+  // (D, D): of two parameters as many draws as of the one that has more, but not more than rows
+  // that differ; 0 of too few.
   RowMatrix roots_of_draws() const {
     constexpr Index fewest = 20;
     RowMatrix roots(theta_.cols(), theta_.cols());
     for (Index d = 0; d < roots.rows(); ++d) {
       for (Index e = 0; e < roots.cols(); ++e) {
-        const Index n = std::max(columns_[static_cast<std::size_t>(d)].num_draws,
-                                 columns_[static_cast<std::size_t>(e)].num_draws);
+        const Index most = std::max(columns_[static_cast<std::size_t>(d)].num_draws,
+                                    columns_[static_cast<std::size_t>(e)].num_draws);
+        const Index n = std::min(most, num_different_);
         roots(d, e) = n < fewest ? 0.0 : std::sqrt(static_cast<double>(n));
       }
     }
@@ -210,6 +215,7 @@ class Inspection {
   const RowMatrix& theta_;
   const inference::Prior& prior_;
   std::vector<Column> columns_;
+  Index num_different_ = 0;  // rows
   Findings found_;
 };
 

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "analysis/begins_at_rest.h"
 #include "core/error.h"
 #include "core/text.h"
+#include "inference/diagnostics/row_faults.h"
 #include "inference/feature_transform.h"
 #include "pipeline/store/column_labels.h"
 
@@ -21,25 +21,6 @@ bool begins_late(const sim::Trajectories& x, Index row, const Target& recorded) 
     if (x.rollout(row, h).row(0) != states.row(0).cast<float>()) return false;
   }
   return true;
-}
-
-// Of rows that are the same, those with different theta.
-Index count_theta(const RowMatrix& theta, const std::vector<Index>& rows) {
-  std::set<std::vector<double>> different;
-  for (const Index row : rows) different.emplace(theta.row(row).begin(), theta.row(row).end());
-  return std::ssize(different);
-}
-
-// Finite rows, in groups of the same x.
-std::vector<std::vector<Index>> groups_of(const RowMatrixF& x) {
-  std::vector<std::vector<Index>> groups;
-  for (Index i = 0; i < x.rows(); ++i) {
-    if (!x.row(i).allFinite()) continue;
-    const auto group = std::ranges::find_if(
-        groups, [&](const std::vector<Index>& rows) { return x.row(rows.front()) == x.row(i); });
-    group == groups.end() ? groups.push_back({i}) : group->push_back(i);
-  }
-  return groups;
 }
 
 // What floats lose of the motion that is replayed, and so of its simulations.
@@ -63,15 +44,60 @@ constexpr std::array<Probe<FirstRows>, 5> kProbes = {{
      },
      [](const FirstRows& rows) { return rows.study.source().takes_seeds; }},
     {"lost_precision", find_lost_states},
-    {"same_rows",
-     [](const FirstRows& rows) {
-       return find_same_rows(rows.given.complete, features_of(rows.given.result));
-     },
-     [](const FirstRows& rows) { return is_foreign(rows) && find_outliers(rows).empty(); }},
+    {"constant_rows",
+     [](const FirstRows& rows) { return find_constant_rows(features_of(rows.given.result)); },
+     is_foreign},
     {"late_states",
      [](const FirstRows& rows) { return find_late_states(rows.given.result, rows.target); },
      [](const FirstRows& rows) { return is_foreign(rows) && rows.study.source().gives_motion; }},
     {"program", [](const FirstRows& rows) { return rows.simulator.last_warnings(); }},
+}};
+
+Findings find_stretch_in(const RowsTogether& rows) {
+  const auto found = inference::find_stretch(rows.theta, rows.x);
+  if (!found) return {};
+  const auto number = [&](Index i) {
+    return rows.numbers.empty() ? i : rows.numbers[static_cast<std::size_t>(i)];
+  };
+  return {{.severity = Severity::wrong,
+           .what = fmt::format(
+               "rows {} to {} don't go with their parameters as other rows do: the mean rank of "
+               "their deviation from what parameters say is {:.2f}, and should be 0.5; mend these "
+               "rows, or leave them out, if their order, a unit or the simulator changed there",
+               number(found->begin), number(found->begin + found->count - 1), found->mean_rank)}};
+}
+
+Findings find_same_in(const RowsTogether& rows) {
+  constexpr double grave = 0.05;
+  const Index count = inference::count_same_rows(rows.theta, rows.x);
+  if (count == 0) return {};
+  const bool is_grave = static_cast<double>(count) > grave * static_cast<double>(rows.x.rows());
+  return {{.severity = is_grave ? Severity::wrong : Severity::suspicious,
+           .what = fmt::format(
+               "{} of {} rows have the same x as others, to the last bit, though their parameters "
+               "differ: if that stands for a failure, write NaN, or else leave these rows out",
+               count, rows.x.rows())}};
+}
+
+Findings find_codes_in(const RowsTogether& rows) {
+  std::vector<std::string> found;
+  for (const inference::CodedColumn& code : inference::find_codes(rows.x)) {
+    found.push_back(fmt::format("'{}' is {}{:.6g} in {} of {} rows",
+                                rows.features[static_cast<std::size_t>(code.column)].label,
+                                code.is_exact ? "" : "about ", code.value, code.count,
+                                rows.x.rows()));
+  }
+  if (found.empty()) return {};
+  return {warning(fmt::format(
+      "{}, further from all other values than these lie apart: if that stands for a failure, "
+      "write NaN, or posteriors are those of a simulator that gives it",
+      join(few_shortened(found))))};
+}
+
+constexpr std::array<Probe<RowsTogether>, 3> kApart = {{
+    {"stretch", find_stretch_in},
+    {"same_rows", find_same_in},
+    {"codes", find_codes_in, [](const RowsTogether& rows) { return !rows.features.empty(); }},
 }};
 
 }  // namespace
@@ -92,35 +118,28 @@ Findings find_late_states(const sim::Trajectories& x, const Target& recorded) {
       "each action; where the given one is the first of them, all come a step late")};
 }
 
-Findings find_same_rows(const RowMatrix& theta, const RowMatrixF& x) {
-  constexpr Index fewest_alike = 3, fewest_of_all = 8;
-  constexpr double usual_share = 0.9;  // of others: counts are often the same
-  const auto groups = groups_of(x);
-  if (groups.empty()) return {};
-  if (groups.size() == 1 && std::ssize(groups.front()) >= fewest_of_all) {
-    return {warning(
-        fmt::format("all {} finite rows of the first {} are the same, whatever their parameters",
-                    groups.front().size(), x.rows()))};
+Findings find_constant_rows(const RowMatrixF& x) {
+  constexpr Index fewest = 8;
+  Index first = 0, num_finite = 0;
+  for (Index i = 0; i < x.rows(); ++i) {
+    if (!x.row(i).allFinite()) continue;
+    if (num_finite == 0) first = i;
+    if (x.row(i) != x.row(first)) return {};
+    ++num_finite;
   }
-  const auto is_count = [](float value) { return !(std::abs(value - std::round(value)) > 0.0f); };
-  if (x.cols() == 1 || std::ranges::all_of(x.reshaped(), is_count)) return {};
-  Index others = 0, unique = 0;
-  const auto size = [](const std::vector<Index>& rows) { return rows.size(); };
-  const std::vector<Index>& largest = *std::ranges::max_element(groups, {}, size);
-  for (const std::vector<Index>& rows : groups) {
-    others += &rows == &largest ? 0 : std::ssize(rows);
-    unique += rows.size() == 1 ? 1 : 0;
-  }
-  const Index most = count_theta(theta, largest);
-  if (most < fewest_alike || others < fewest_alike ||
-      static_cast<double>(unique) < usual_share * static_cast<double>(others)) {
-    return {};
-  }
-  return {warning(fmt::format(
-      "{} of the first {} rows are the same to the last bit, though their parameters differ: if "
-      "that stands for a failure, let them fail, or write NaN, or posteriors are wrong",
-      most, x.rows()))};
+  if (num_finite < fewest) return {};
+  return {
+      warning(fmt::format("all {} finite rows of the first {} are the same, whatever their "
+                          "parameters",
+                          num_finite, x.rows()))};
 }
+
+Index num_rows_together(Index num_values) {
+  constexpr Index most_rows = 20'000, most_values = Index{1} << 25;
+  return std::min(most_rows, most_values / std::max<Index>(1, num_values));
+}
+
+Findings find_apart(const RowsTogether& rows) { return find_by(kApart, rows); }
 
 Findings find_lost_precision(const RowMatrix& x, const std::vector<Channel>& columns) {
   constexpr Index fewest_finite = 8;
@@ -151,58 +170,10 @@ Findings find_lost_precision(const RowMatrix& x, const std::vector<Channel>& col
       join(few_shortened(lost))))};
 }
 
-void RepeatedOutliers::observe(const Eigen::Ref<const RowMatrixF>& x) {
-  if (x.cols() != std::ssize(columns_)) throw ShapeError("outliers: another number of columns");
-  num_rows_ += x.rows();
-  for (Index i = 0; i < x.rows(); ++i) {
-    for (Index c = 0; c < x.cols(); ++c) {
-      const float value = x(i, c);
-      if (!std::isfinite(value)) continue;
-      auto& [ends, num_finite] = columns_[static_cast<std::size_t>(c)];
-      ++num_finite;
-      const bool is_inside = ends.size() == 4 && std::next(ends.begin())->first < value &&
-                             value < std::next(ends.rbegin())->first;
-      if (is_inside) continue;
-      ++ends[value];
-      if (ends.size() > 4) ends.erase(std::next(ends.begin(), 2));
-    }
-  }
-}
-
-Findings RepeatedOutliers::find(const std::vector<Channel>& columns) const {
-  constexpr Index fewest_repeats = 2, fewest_others = 3;
-  if (columns.size() != columns_.size()) throw ShapeError("outliers: another number of names");
-  std::vector<std::string> found;
-  for (std::size_t c = 0; c < columns_.size(); ++c) {
-    const auto& [ends, num_finite] = columns_[c];
-    // `end`: at one end of the numbers, `innermost` the number at the other.
-    const auto is_outlier = [all = num_finite](auto end, double innermost) {
-      const auto [outermost, count] = *end;
-      if (count < fewest_repeats || all - count < fewest_others) return false;
-      const double nearest = (++end)->first, range = std::abs(innermost - nearest);
-      return range > 0.0 && std::abs(nearest - double{outermost}) > range;
-    };
-    if (ends.empty()) continue;
-    const bool is_smallest = is_outlier(ends.begin(), ends.rbegin()->first);
-    if (!is_smallest && !is_outlier(ends.rbegin(), ends.begin()->first)) continue;
-    const auto [value, count] = is_smallest ? *ends.begin() : *ends.rbegin();
-    found.push_back(
-        fmt::format("'{}' is {:.6g} in {} of {} rows", columns[c].label, value, count, num_rows_));
-  }
-  if (found.empty()) return {};
-  return {warning(fmt::format(
-      "{}, further from all other values than these lie apart: if that stands for a failure, "
-      "write NaN, or posteriors are those of a simulator that gives it",
-      join(few_shortened(found))))};
-}
-
-Findings find_outliers(const FirstRows& rows) {
+Findings find_apart_in_first(const FirstRows& rows) {
   const SourceTraits& source = rows.study.source();
   if (source.gives_motion || !source.calls_program) return {};
-  const Eigen::Map<const RowMatrixF> x = features_of(rows.given.result);
-  RepeatedOutliers outliers(x.cols());
-  outliers.observe(x);
-  return outliers.find(rows.columns);
+  return find_apart({rows.given.complete, features_of(rows.given.result), rows.columns});
 }
 
 }  // namespace npdr::pipeline

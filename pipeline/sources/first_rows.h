@@ -2,7 +2,6 @@
 /// of a simulation, hours before all are there.
 #pragma once
 
-#include <map>
 #include <vector>
 
 #include "core/finding.h"
@@ -38,16 +37,33 @@ Findings find_in_first_rows(const FirstRows& rows);
 /// come in another order than theta's, and what RowSimulator::simulate() throws.
 Findings check_rows(RowSimulator& simulator, const GivenRows& rows, bool has_noise);
 
+/// The same of late rows: two are simulated again, the last of them first. Throws as check_rows().
+Findings check_late_rows(RowSimulator& simulator, const GivenRows& rows);
+
 /// That every rollout of x (n, H, T, C), in all rows, begins with the state that the recorded one
 /// began in, though that moves in its first step, in some channel about as far as in others. Wanted
 /// are the states after each action. Rows that aren't finite don't count.
 Findings find_late_states(const sim::Trajectories& x, const Target& recorded);
 
-/// How many of the rows of x (n, F), the first of a simulation, are the same to the last bit though
-/// their theta (n, P) differ: all, of eight or more, or three or more where nine tenths of the
-/// others are like no other. Rows that aren't finite don't count; the latter isn't said of a single
-/// column, which may be censored, and of whole numbers, which may all be 0.
-Findings find_same_rows(const RowMatrix& theta, const RowMatrixF& x);
+/// That all rows of x (n, F) are the same, of eight or more, the first of a simulation. Rows that
+/// aren't finite don't count.
+Findings find_constant_rows(const RowMatrixF& x);
+
+/// Rows (theta, x) in the order in which they were made, of a user's simulator or a dataset.
+struct RowsTogether {
+  RowMatrix theta;                     ///< (n, D)
+  RowMatrixF x;                        ///< (n, F); of motion some columns
+  std::vector<Channel> features = {};  ///< (F); none of motion, whose values may gather somewhere
+  std::vector<Index> numbers = {};     ///< (n) of rows; none: they count from 0
+};
+
+/// As many rows of `num_values` values each as are looked at: 20,000, or 2^25 values.
+Index num_rows_together(Index num_values);
+
+/// By inference/diagnostics/row_faults.h: a stretch of rows that doesn't go with its theta, which
+/// is wrong; the same x of different theta, wrong for a twentieth of the rows; numbers in features
+/// that stand for failures.
+Findings find_apart(const RowsTogether& rows);
 
 /// Columns of x (n, F) whose deviation is below 10^-6 of their mean, about ten steps of a float,
 /// and above the rounding of doubles. As floats, in which rows are kept, such columns tell nothing,
@@ -55,30 +71,7 @@ Findings find_same_rows(const RowMatrix& theta, const RowMatrixF& x);
 /// and infinities don't count, and fewer than eight aren't judged.
 Findings find_lost_precision(const RowMatrix& x, const std::vector<Channel>& columns);
 
-/// Looks over the rows of x, as many at once as there are, for numbers that stand for a failure,
-/// such as -999, where rows should hold NaN: columns that hold their smallest or largest number
-/// several times, further from all others than these lie apart. What isn't finite doesn't count.
-class RepeatedOutliers {
- public:
-  explicit RepeatedOutliers(Index num_columns) : columns_(static_cast<std::size_t>(num_columns)) {}
-
-  /// More rows (n, F). Throws ShapeError for another number of columns.
-  void observe(const Eigen::Ref<const RowMatrixF>& x);
-
-  /// A warning that names such columns. Throws ShapeError for another number of `columns`.
-  Findings find(const std::vector<Channel>& columns) const;
-
- private:
-  struct Column {
-    std::map<float, Index> ends;  ///< how often the two smallest and largest numbers are there
-    Index num_finite = 0;
-  };
-
-  std::vector<Column> columns_;
-  Index num_rows_ = 0;
-};
-
-/// Repeated outliers in a program's features; the check of all rows at the end finds them again.
-Findings find_outliers(const FirstRows& rows);
+/// find_apart() in the features of a program's first rows, which a look at all rows finds again.
+Findings find_apart_in_first(const FirstRows& rows);
 
 }  // namespace npdr::pipeline

@@ -22,32 +22,59 @@ constexpr Index kRepeated = 2, kMostRepeated = 6;
 // Simulations of one theta are all the same below it, whatever the scale of their noise above.
 constexpr double kNoNoise = 1e-7;
 
-/// Distance between rows of values: root of the mean over those that vary of their squared
-/// difference in standard deviations.
+// Distance between rows of values: root of the mean over those that vary of their squared
+// difference, in deviations of what is usual, and beyond in logarithms: a few values far out don't
+// hide the others.
 class RowDistance {
  public:
   RowDistance(const sim::Trajectories& rows, const std::vector<Index>& good)
-      : mean_(Eigen::ArrayXd::Zero(rows.row_size())), scale_(mean_) {
-    for (const Index i : good) mean_ += values(rows.row(i));
-    mean_ /= static_cast<double>(good.size());
-    for (const Index i : good) scale_ += (values(rows.row(i)) - mean_).square();
-    scale_ = (scale_ / static_cast<double>(good.size())).sqrt();
-    varies_ = scale_ > 1e-9 * mean_.abs();
+      : center_(rows.row_size()), scale_(rows.row_size()) {
+    Eigen::ArrayXd of_one(std::ssize(good));
+    const auto median = [&] {
+      auto* const middle = of_one.data() + of_one.size() / 2;
+      std::nth_element(of_one.data(), middle, of_one.data() + of_one.size());
+      return *middle;
+    };
+    for (Index c = 0; c < rows.row_size(); ++c) {
+      for (std::size_t k = 0; k < good.size(); ++k) {
+        of_one(static_cast<Index>(k)) = double{rows.row(good[k])[static_cast<std::size_t>(c)]};
+      }
+      const double mean = of_one.mean();
+      const double deviation = std::sqrt((of_one - mean).square().mean());
+      center_(c) = median();
+      of_one = (of_one - center_(c)).abs();
+      const double usual = kNormal * median();
+      scale_(c) = usual > 0.0 ? usual : deviation;
+    }
+    varies_ = scale_ > 1e-9 * center_.abs();
   }
 
   bool any_varies() const { return varies_.any(); }
 
   double operator()(std::span<const float> a, std::span<const float> b) const {
-    const Eigen::ArrayXd z = varies_.select((values(a) - values(b)) / scale_, 0.0);
+    const Eigen::ArrayXd z = varies_.select(scaled(a) - scaled(b), 0.0);
     return std::sqrt(z.square().sum() / static_cast<double>(varies_.count()));
   }
 
+  // Whether half of what varies is the same but for rounding, however small it is.
+  bool are_equal(std::span<const float> a, std::span<const float> b) const {
+    const Eigen::ArrayXd u = values(a), v = values(b);
+    const auto same = varies_ && (u - v).abs() <= kIdentical * u.abs().max(v.abs());
+    return (*this)(a, b) < kNoNoise && 2 * same.count() >= varies_.count();
+  }
+
  private:
+  static constexpr double kNormal = 1.4826;  // deviations of a normal median deviation
+
   static Eigen::ArrayXd values(std::span<const float> row) {
     return Eigen::Map<const Eigen::ArrayXf>(row.data(), std::ssize(row)).cast<double>();
   }
 
-  Eigen::ArrayXd mean_, scale_;
+  Eigen::ArrayXd scaled(std::span<const float> row) const {
+    return ((values(row) - center_) / scale_).unaryExpr([](double z) { return std::asinh(z); });
+  }
+
+  Eigen::ArrayXd center_, scale_;
   Eigen::Array<bool, Eigen::Dynamic, 1> varies_;
 };
 
@@ -80,8 +107,8 @@ bool are_repeatable(RowSimulator& simulator, const GivenRows& rows, const std::v
                     const std::vector<Index>& telling, const RowDistance& distance) {
   Index row = 0, other = 0, num_moved = 0, num_changed = 0;
   for (Index k = 1; k <= kMostRepeated && (k <= kRepeated || num_changed > 0); ++k) {
-    const Index i =
-        telling[static_cast<std::size_t>((k * std::ssize(telling) - 1) / kMostRepeated)];
+    const Index spread = (kMostRepeated + 1 - k) * std::ssize(telling) / kMostRepeated;
+    const Index i = telling[static_cast<std::size_t>(spread - 1)];  // the last one first
     const sim::Trajectories again =
         simulator.simulate(rows.complete.row(i), row_after(rows.first, i));
     const bool failed = !again.is_ok(0);  // which is counted elsewhere
@@ -118,29 +145,41 @@ Noise noise_of(RowSimulator& simulator, const GivenRows& rows, Index i,
   bool are_pairs_same = true, are_all_same = true;
   for (Index c = 0; c < 2 * calls; ++c) {
     if (!x.is_ok(c)) return Noise::own;
-    const bool is_same = distance(x.row(c), x.row(c - c % 2)) < kNoNoise;
+    const bool is_same = distance.are_equal(x.row(c), x.row(c - c % 2));
     are_pairs_same = are_pairs_same && is_same;
-    are_all_same = are_all_same && is_same && distance(x.row(c), rows.result.row(i)) < kNoNoise;
+    are_all_same = are_all_same && is_same && distance.are_equal(x.row(c), rows.result.row(i));
   }
   if (are_all_same) return Noise::none;
   return are_pairs_same ? Noise::shared : Noise::own;
 }
 
+Findings find_not_repeatable(RowSimulator& simulator, const GivenRows& rows,
+                             const std::vector<Index>& good, const std::vector<Index>& telling,
+                             const RowDistance& distance) {
+  if (are_repeatable(simulator, rows, good, telling, distance)) return {};
+  return {warning(
+      "a row that is simulated again, alone, with the same parameters and seed is another: runs "
+      "that are repeated get other rows; make its random numbers from the row's seed alone, and "
+      "let nothing depend on other rows and earlier calls")};
+}
+
 }  // namespace
+
+Findings check_late_rows(RowSimulator& simulator, const GivenRows& rows) {
+  const std::vector<Index> good = good_rows(rows.result);
+  if (std::ssize(good) < kFewestRows) return {};
+  const RowDistance distance(rows.result, good);
+  if (!distance.any_varies()) return {};
+  return find_not_repeatable(simulator, rows, good, telling_rows(rows.result, good), distance);
+}
 
 Findings check_rows(RowSimulator& simulator, const GivenRows& rows, bool has_noise) {
   const std::vector<Index> good = good_rows(rows.result);
   if (std::ssize(good) < kFewestRows) return {};
   const RowDistance distance(rows.result, good);
   if (!distance.any_varies()) return {};
-  Findings found;
   const std::vector<Index> telling = telling_rows(rows.result, good);
-  if (!are_repeatable(simulator, rows, good, telling, distance)) {
-    found.push_back(warning(
-        "a row that is simulated again, alone, with the same parameters and seed is another: runs "
-        "that are repeated get other rows; make its random numbers from the row's seed alone, and "
-        "let nothing depend on other rows and earlier calls"));
-  }
+  Findings found = find_not_repeatable(simulator, rows, good, telling, distance);
   const Noise noise = noise_of(simulator, rows, telling[telling.size() / 2], distance);
   if (noise == Noise::shared) {
     found.push_back(warning(

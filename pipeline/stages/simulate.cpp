@@ -45,24 +45,44 @@ Simulation make_simulation(const Plan& plan, const Node& node) {
           .id = {use.seed, kSimulationStream, static_cast<std::uint64_t>(use.round), 0, 0}};
 }
 
-// What is wrong with others' rows of features, too seldom perhaps for the first ones to show it.
+constexpr Index kColumnsOfMotion = 40;
+
+// Columns of x: all features, or some values of motion, evenly chosen.
+std::vector<Index> judged_columns(const Simulation& simulation, Index row_size) {
+  const bool gives_motion = simulation.plan.study.source().gives_motion;
+  const Index count = gives_motion ? std::min(row_size, kColumnsOfMotion) : row_size;
+  std::vector<Index> columns;
+  for (Index c = 1; c <= count; ++c) columns.push_back(c * row_size / count - 1);
+  return columns;
+}
+
+// What is wrong with rows of users' simulators, too seldom perhaps for the first ones to show it.
+// Those of a dataset are judged in its own order (findings/dataset_probes.cpp).
 Findings find_in_all(const Simulation& simulation, const std::vector<Shard>& shards) {
-  if (simulation.plan.study.source().gives_motion) return {};
-  const std::vector<Channel> columns = simulation.plan.source->info().state_channels;
-  RepeatedOutliers outliers(std::ssize(columns));
+  const SourceTraits& source = simulation.plan.study.source();
+  if (!source.runs_users_code()) return {};
+  RowsTogether rows;
+  if (!source.gives_motion) rows.features = simulation.plan.source->info().state_channels;
   for (const Shard& shard : shards) {
     const Identity identity = shard_identity(simulation.node.identity, shard.rows);
     const h5::File file = open_artefact({shard.path, identity.key()}, kSimulationShardSchema);
     const h5::Dataset values = simulated_values(file);
-    values.require_shape({shard.rows.size(), std::ssize(columns)});
+    const RowMatrix theta = file.read_matrix<double>("theta", shard.rows.size(), -1);
+    const std::vector<Index> columns = judged_columns(simulation, values.row_size());
     const Index most = std::max<Index>(1, kNumbersRead / std::max<Index>(1, values.row_size()));
-    for (Index begin = 0; begin < values.num_rows(); begin += most) {
-      RowMatrixF x(std::min(most, values.num_rows() - begin), values.row_size());
+    const Index last =
+        std::min(values.num_rows(), num_rows_together(values.row_size()) - shard.rows.begin);
+    if (last <= 0) break;
+    rows.theta.conservativeResize(shard.rows.begin + last, theta.cols());
+    rows.x.conservativeResize(shard.rows.begin + last, std::ssize(columns));
+    rows.theta.bottomRows(last) = theta.topRows(last);
+    for (Index begin = 0; begin < last; begin += most) {
+      RowMatrixF x(std::min(most, last - begin), values.row_size());
       values.read_rows<float>(begin, x.rows(), {x.data(), static_cast<std::size_t>(x.size())});
-      outliers.observe(x);
+      rows.x.middleRows(shard.rows.begin + begin, x.rows()) = x(Eigen::all, columns);
     }
   }
-  return outliers.find(columns);
+  return find_apart(rows);
 }
 
 // The first rows of an experiment are a block of their own, so that what is found doesn't depend on
@@ -95,15 +115,15 @@ void require_a_good_row(const Simulation& simulation, const GivenRows& rows) {
       simulation.plan.study.source().advice));
 }
 
-// Tells people at once, and the report for good, what is probably wrong with rows. It has the
-// outliers of all.
+// Tells people at once, and the report for good, what is probably wrong with rows. It has
+// what all rows together say.
 void check_block(h5::File& file, const Simulation& simulation, const GivenRows& given) {
   require_a_good_row(simulation, given);
   const FirstRows rows{simulation.plan.study, simulation.target,
                        simulation.plan.source->info().state_channels, *simulation.simulator, given};
   const bool are_all = given.complete.rows() == num_rows(simulation.plan, simulation.node);
   const Findings found = find_in_first_rows(rows);
-  if (!are_all) report_findings(simulation.node.label(), find_outliers(rows));
+  if (!are_all) report_findings(simulation.node.label(), find_apart_in_first(rows));
   report_findings(simulation.node.label(), found);
   std::vector<std::string> words;
   for (const Finding& finding : found) words.push_back(finding.what);
@@ -118,6 +138,15 @@ void check_first_rows(h5::File& file, const Simulation& simulation, const GivenR
       simulation.plan.source->parameters().complete(read_proposal(simulation.proposal, {0, count}));
   const sim::Trajectories result = simulation.simulator->simulate(complete, given.first);
   check_block(file, simulation, {complete, result, given.first});
+}
+
+// The rows after those, as many as a call takes: programs may treat a full one in another way.
+void check_second_block(h5::File& file, const Simulation& simulation, const GivenRows& given) {
+  const Findings found = check_late_rows(*simulation.simulator, given);
+  const std::vector<std::string> before = warnings_of(file);
+  if (found.empty() || std::ranges::count(before, found.front().what) > 0) return;
+  report_findings(simulation.node.label(), found);
+  if (before.empty()) write_warnings(file, {found.front().what});
 }
 
 // Rows [begin, begin + count) of the simulation, from row `at` of the shard's file.
@@ -138,6 +167,10 @@ void write_block(h5::File& file, const Simulation& simulation, Index begin, Inde
   file.dataset("status").write_rows<std::uint8_t>(at, count, status);
   file.dataset("seconds").write_rows<float>(at, count, row_seconds);
   if (is_checked(simulation, begin)) check_first_rows(file, simulation, {complete, result, first});
+  const bool is_second = begin == kCheckedRows && is_checked(simulation, 0);
+  if (is_second && simulation.plan.study.source().takes_seeds) {
+    check_second_block(file, simulation, {complete, result, first});
+  }
 }
 
 void simulate_shard(Simulation& simulation, const Shard& shard, Index done_before,
@@ -214,8 +247,9 @@ void run<Stage::simulate>(const Plan& plan, const Node& node,
   if (missing_shards(plan, node).empty()) {
     const Findings found = find_in_all(simulation, all);
     report_findings(node.label(), found);
-    join_shards(node, node.identity, plan.study, simulation.target, all,
-                found.empty() ? "" : found.front().what);
+    std::vector<std::string> words;
+    for (const Finding& finding : found) words.push_back(finding.what);
+    join_shards(node, node.identity, plan.study, simulation.target, all, words);
     link_uses(plan, node);  // one can look at it also where too many rows failed
     warn_of_failures(simulation);
     open_simulation(plan, node);

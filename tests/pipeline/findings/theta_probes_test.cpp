@@ -104,7 +104,7 @@ TEST(ThetaFaults, AreOtherDistributions) {
   wider[1].b = 2.0;
   EXPECT_TRUE(says(faults(draws(kPrior, 1000), wider),
                    {"grave: b of the dataset isn't distributed as the prior says "
-                    "(Kolmogorov-Smirnov 0.",
+                    "(their distribution functions differ by 0.",
                     "posteriors are those of the distribution that it was drawn from"}));
   // Draws that several simulations share count once.
   EXPECT_EQ(faults(draws(kPrior, 60), wider), faults(repeated(draws(kPrior, 60), 5), wider));
@@ -147,6 +147,16 @@ TEST(ThetaFaults, AreValuesAtAnEnd) {
                   "as if clipped"));
 }
 
+// Of which the distribution function differs little.
+TEST(ThetaFaults, AreAnotherWidthAndAMissingTail) {
+  RowMatrix theta = draws(kPrior, 3000);
+  theta.col(1) = 10.0 + 1.1 * (theta.col(1).array() - 10.0);
+  EXPECT_TRUE(has(faults(theta), "b of the dataset isn't distributed as the prior says"));
+  theta = draws(kPrior, 1000);
+  for (double& b : theta.col(1)) b = b < 8.5 ? 20.0 - b : b;
+  EXPECT_TRUE(has(faults(theta), "b of the dataset isn't distributed as the prior says"));
+}
+
 // Levels of a design that isn't even: their distribution isn't any prior's.
 TEST(ThetaFaults, AreUnevenDesigns) {
   RowMatrix theta(1050, 2);
@@ -178,6 +188,8 @@ TEST(ThetaFaults, AreCorrelations) {
                                    "the prior draws each by itself"}));
   // As those of 15 draws may be, however often each is simulated.
   EXPECT_FALSE(has(faults(repeated(theta.topRows(15), 50)), "correlated"));
+  const RowMatrix rounded = (10.0 * theta.topRows(15).array()).round() / 10.0;
+  EXPECT_FALSE(has(faults(repeated(rounded, 50)), "correlated")) << "not by its 750 rows";
   // Two that a few draws correlate more, by chance, don't hide it.
   RowMatrix nested(1000, 4);
   nested << theta, repeated(draws(kPrior, 50, 7), 20).col(0);

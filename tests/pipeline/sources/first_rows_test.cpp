@@ -58,56 +58,14 @@ TEST(LateStates, DontCountFailures) {
   EXPECT_EQ(words_of(find_late_states(x, recorded())), "");
 }
 
-// Rows that all differ.
-RowMatrixF rows(Index n) {
-  RowMatrixF x(n, 2);
-  for (Index i = 0; i < n; ++i) x.row(i) << static_cast<float>(i), 1.0f / static_cast<float>(i + 1);
-  return x;
-}
-
-RowMatrix theta(Index n) {
-  return RowMatrix::NullaryExpr(n, 1, [](Index i) { return 0.1 * double(i); });
-}
-
-RowMatrixF with_zeros(Index count, Index n = 64) {
-  RowMatrixF x = rows(n);
-  for (Index i = 0; i < count; ++i) x.row(5 + 7 * i).setZero();
-  return x;
-}
-
-TEST(RepeatedRows, AreCounted) {
-  EXPECT_EQ(words_of(find_same_rows(theta(64), with_zeros(3))).substr(0, 41),
-            "3 of the first 64 rows are the same to th");
-  EXPECT_EQ(words_of(find_same_rows(theta(64), with_zeros(2))), "") << "by chance";
-  EXPECT_EQ(words_of(find_same_rows(theta(64), rows(64))), "");
-}
-
-TEST(RepeatedRows, AreToldWhereAllAre) {
+TEST(ConstantRows, AreToldOfEightOrMoreFiniteOnes) {
   RowMatrixF x = RowMatrixF::Constant(64, 1, 7.0f);
-  EXPECT_TRUE(has(words_of(find_same_rows(theta(64), x)), "all 64 finite rows of the first 64"));
+  EXPECT_TRUE(has(words_of(find_constant_rows(x)), "all 64 finite rows of the first 64"));
   x(9, 0) = kFloatNaN;
-  EXPECT_TRUE(has(words_of(find_same_rows(theta(64), x)), "all 63 finite rows of the first 64"));
-  EXPECT_EQ(words_of(find_same_rows(theta(7), x.topRows(7))), "") << "too few to tell";
-}
-
-TEST(RepeatedRows, AreNoneOfTheSameParameters) {
-  RowMatrix same = theta(64);
-  for (Index i = 0; i < 3; ++i) same(5 + 7 * i, 0) = 0.0;
-  EXPECT_EQ(words_of(find_same_rows(same, with_zeros(3))), "");
-  same(5, 0) = 1.0;
-  EXPECT_EQ(words_of(find_same_rows(same, with_zeros(3))), "") << "two designs, one of them twice";
-}
-
-TEST(RepeatedRows, AreUsualAmongCounts) {
-  RowMatrixF x(64, 1);
-  for (Index i = 0; i < 64; ++i) x(i, 0) = static_cast<float>(i % 9);
-  EXPECT_EQ(words_of(find_same_rows(theta(64), x)), "");
-}
-
-TEST(RepeatedRows, DontCountFailures) {
-  RowMatrixF x = with_zeros(3);
-  for (float& value : x.col(0)) value = value == 0.0f ? kFloatNaN : value;
-  EXPECT_EQ(words_of(find_same_rows(theta(64), x)), "");
+  EXPECT_TRUE(has(words_of(find_constant_rows(x)), "all 63 finite rows of the first 64"));
+  EXPECT_EQ(words_of(find_constant_rows(x.topRows(7))), "") << "too few to tell";
+  x(3, 0) = 8.0f;
+  EXPECT_EQ(words_of(find_constant_rows(x)), "");
 }
 
 const std::vector<Channel> kColumns = {{"far", "m"}, {"near", "m"}};
@@ -124,7 +82,7 @@ TEST(Precision, SaysWhichColumnsFloatsCantTellApart) {
   EXPECT_TRUE(says(words_of(find_lost_precision(varying(1e8, 1.5), kColumns)),
                    {"single precision", "'far' by 1.5 about 1e+08", "subtract an offset"}));
   EXPECT_FALSE(has(words_of(find_lost_precision(varying(1e8, 1.5), kColumns)), "'near'"));
-  EXPECT_NE(words_of(find_lost_precision(varying(0.0, 1e-37), kColumns)), "");
+  EXPECT_NE(words_of(find_lost_precision(varying(0.0, 1e-39), kColumns)), "");
   EXPECT_NE(words_of(find_lost_precision(varying(0.0, 1e-300), kColumns)), "")
       << "whose square is 0";
   RowMatrix partly_lost = varying(1e8, 1.5);
@@ -134,48 +92,48 @@ TEST(Precision, SaysWhichColumnsFloatsCantTellApart) {
 
 TEST(Precision, SaysNothingOfConstantsAndOfWhatFloatsHold) {
   EXPECT_EQ(words_of(find_lost_precision(varying(1e8, 1000.0), kColumns)), "");
-  EXPECT_EQ(words_of(find_lost_precision(varying(0.0, 1e-30), kColumns)), "");
+  EXPECT_EQ(words_of(find_lost_precision(varying(0.0, 1e-36), kColumns)), "");
   EXPECT_EQ(words_of(find_lost_precision(varying(0.1, 0.0), kColumns)), "");
   EXPECT_EQ(words_of(find_lost_precision(varying(0.1, 1e-16), kColumns)), "");
   EXPECT_EQ(words_of(find_lost_precision(varying(1e8, 1.5).topRows(7), kColumns)), "");
 }
 
-class RepeatedOutlier : public testing::Test {
+class RowsApart : public testing::Test {
  protected:
-  // 64 rows of two standard normal columns.
-  RepeatedOutlier() : x_(64, 2) {
+  // 200 rows that are numbered from 1.
+  RowsApart() : rows_{RowMatrix(200, 1), RowMatrixF(200, 2), {{"total", "1"}, {"peak", "m"}}} {
     Stream stream({1, "test", 0, 0, 0});
-    for (float& value : x_.reshaped()) value = static_cast<float>(stream.normal());
+    for (Index i = 0; i < 200; ++i) {
+      rows_.theta(i, 0) = stream.normal();
+      for (float& value : rows_.x.row(i)) {
+        value = static_cast<float>(rows_.theta(i, 0) + 0.1 * stream.normal());
+      }
+      rows_.numbers.push_back(i + 1);
+    }
   }
 
-  // Of two blocks.
-  std::string found() const {
-    RepeatedOutliers outliers(2);
-    outliers.observe(x_.topRows(40));
-    outliers.observe(x_.bottomRows(24));
-    return words_of(outliers.find({{"total", "1"}, {"peak", "m"}}));
-  }
-
-  RowMatrixF x_;
+  RowsTogether rows_;
 };
 
-TEST_F(RepeatedOutlier, AreNamedWithTheirNumber) {
-  x_(3, 1) = x_(40, 1) = x_(41, 1) = -999.0f;
-  EXPECT_TRUE(says(found(), {"'peak' is -999 in 3 of 64 rows", "write NaN"}));
-  x_(3, 1) = x_(40, 1) = x_(41, 1) = 1e30f;
-  EXPECT_TRUE(says(found(), {"'peak' is 1e+30 in 3 of 64 rows"}));
+TEST_F(RowsApart, AreNamedWithTheirNumbers) {
+  EXPECT_EQ(words_of(find_apart(rows_)), "");
+  rows_.x(3, 1) = rows_.x(40, 1) = rows_.x(41, 1) = -999.0f;
+  EXPECT_TRUE(says(words_of(find_apart(rows_)), {"'peak' is -999 in 3 of 200 rows", "write NaN"}));
+  rows_.features.clear();
+  EXPECT_EQ(words_of(find_apart(rows_)), "") << "motion may gather somewhere";
 }
 
-TEST_F(RepeatedOutlier, AreNoneOfWhatMeasurementsDo) {
-  EXPECT_EQ(found(), "");
-  x_(3, 1) = 50.0f;
-  EXPECT_EQ(found(), "") << "a heavy tail doesn't repeat itself";
-  x_.col(0) = x_.col(0).cwiseMax(-0.5f);
-  EXPECT_EQ(found(), "") << "a sensor that is clipped";
-  for (Index i = 0; i < 64; ++i) x_(i, 0) = i % 2 == 0 ? 0.0f : 1.0f;
-  EXPECT_EQ(found(), "") << "a bit";
-  x_.col(0).setConstant(kFloatNaN);
-  EXPECT_EQ(found(), "") << "nothing there";
+TEST_F(RowsApart, AreAStretchThatIsWrong) {
+  rows_.x.bottomRows(40).colwise().reverseInPlace();
+  const Findings found = find_apart(rows_);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].severity, Severity::wrong);
+  EXPECT_TRUE(says(found[0].what, {"to 200 don't go with their parameters", "should be 0.5"}));
+}
+
+TEST_F(RowsApart, AreTheSameOfOtherParameters) {
+  for (Index i = 0; i < 5; ++i) rows_.x.row(7 * i) = rows_.x.row(7 * i + 60);
+  EXPECT_TRUE(says(words_of(find_apart(rows_)), {"10 of 200 rows have the same x as others"}));
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 
 #include "core/error.h"
@@ -98,6 +100,33 @@ TEST(RowCheck, RowsWithoutNoiseAreToldUnlessTheStudyAddsSome) {
     return x;
   };
   expect_one(check(same), "whatever their seeds");
+}
+
+// A few values far out don't hide the noise of the others.
+TEST(RowCheck, SkewedRowsHaveNoise) {
+  const auto skewed = [](const RowMatrix& theta, std::span<const std::uint32_t> seeds) {
+    std::vector<double> x = sound(theta, seeds);
+    for (double& value : x) value = std::exp(40.0 * value);
+    return x;
+  };
+  EXPECT_TRUE(check(skewed).empty());
+}
+
+TEST(RowCheck, LateRowsAreRepeated) {
+  const auto reversed_at_the_end = [](const RowMatrix& theta,
+                                      std::span<const std::uint32_t> seeds) {
+    std::vector<double> x = sound(theta, seeds);
+    if (theta.rows() > 30) std::reverse(x.end() - 30, x.end());
+    return x;
+  };
+  Simulator simulator(reversed_at_the_end);
+  const RowMatrix theta =
+      RowMatrix::NullaryExpr(100, 1, [](Index i) { return std::fmod(0.7 * double(i), 1.0); });
+  const sim::Trajectories rows = simulator.simulate(theta, kFirst);
+  const std::string message = message_of<InputError>([&] {
+    check_late_rows(simulator, {theta, rows, kFirst});
+  });
+  EXPECT_TRUE(has(message, "in another order"));
 }
 
 // Which is told by a look at the rows alone.
