@@ -128,6 +128,11 @@ Constraint<std::vector<std::uint64_t>> rollouts_constraint() {
           }};
 }
 
+std::string marginal_words() {
+  return "{ uniform = [low, high] }, { log_uniform = [low, high] }, { normal = [mean, std] } or "
+         "{ log_normal = [mean of log, std of log] }, of finite numbers";
+}
+
 Constraint<std::vector<inference::Marginal>> prior_constraint() {
   return {fmt::format("of 1 to {} parameters", kMostParameters),
           [](const auto& prior) { return !prior.empty() && prior.size() <= kMostParameters; }};
