@@ -19,6 +19,15 @@
 
 namespace npdr::inference {
 
+/// Ends of a marginal that are limits of the parameter itself, such as 0 of a friction.
+enum class PhysicalEnds { none, lower, upper, both };
+
+constexpr auto enum_table(PhysicalEnds) {
+  using enum PhysicalEnds;
+  return std::to_array<EnumRow<PhysicalEnds>>(
+      {{none, "none"}, {lower, "lower"}, {upper, "upper"}, {both, "both"}});
+}
+
 /// One independent marginal of the prior.
 struct Marginal {
   enum class Kind { uniform, log_uniform, normal, log_normal };
@@ -28,6 +37,7 @@ struct Marginal {
   Kind kind = Kind::uniform;
   double a = 0.0;  ///< lower bound; the mean of a normal theta, or of log theta for a log_normal
   double b = 1.0;  ///< upper bound; the standard deviation of the same
+  PhysicalEnds physical = PhysicalEnds::none;  ///< no density depends on it
 
   double lower() const;  ///< no theta below has positive density; may be -infinity
   double upper() const;

@@ -39,9 +39,15 @@ std::vector<std::string> faults_of(const ImportanceCertificate& certificate) {
   return faults;
 }
 
-std::string verdict(const ImportanceCertificate& certificate) {
-  const std::vector<std::string> faults = faults_of(certificate);
-  return faults.empty() ? "holds" : "FAILS: " + join(faults);
+std::string verdict(const std::vector<std::string>& faults) {
+  return faults.empty() ? "passes" : "FAILS: " + join(faults);
+}
+
+std::string words_of(const std::optional<SearchCounts>& searched) {
+  if (!searched) return "";
+  if (searched->num_started == 0) return "too few simulations to search for modes";
+  return fmt::format("searched {}, found {}", counted(searched->num_started, "place"),
+                     searched->num_found == 0 ? "none" : std::to_string(searched->num_found));
 }
 
 }  // namespace npdr::inference

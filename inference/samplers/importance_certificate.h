@@ -1,10 +1,12 @@
 /// Quality of importance-weighted draws.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/types.h"
+#include "inference/samplers/weight_search.h"
 
 namespace npdr::inference {
 
@@ -22,6 +24,7 @@ struct ImportanceCertificate {
   double log_evidence_error = 0.0;  ///< its standard error
   double half_difference = 0.0;     ///< of both halves' log Z, over its standard error
   double ess_of_all = 0.0;  ///< of the points of all levels, where these are the result; or 0
+  std::optional<SearchCounts> searched = {};  ///< before the reported levels, for what they miss
 };
 
 /// A Pareto k above 0.7 (Vehtari et al. 2024) where the efficiency is below 0.5: means may hang on
@@ -42,7 +45,13 @@ bool finds_less(const ImportanceCertificate& certificate, const ImportanceCertif
 /// are more than 4 standard errors apart. NaN is a fault.
 std::vector<std::string> faults_of(const ImportanceCertificate& certificate);
 
-/// "holds", or "FAILS: " and the faults.
-std::string verdict(const ImportanceCertificate& certificate);
+/// "passes", or "FAILS: " and the faults.
+std::string verdict(const std::vector<std::string>& faults);
+inline std::string verdict(const ImportanceCertificate& certificate) {
+  return verdict(faults_of(certificate));
+}
+
+/// "searched 84 places, found none"; "" where nobody has noted that.
+std::string words_of(const std::optional<SearchCounts>& searched);
 
 }  // namespace npdr::inference

@@ -77,7 +77,8 @@ ImportanceSample ImportanceSampler::sample() const {
       .pareto_k = pareto_k(sample.weights),
       .log_evidence = all.log_value,
       .log_evidence_error = all.error,
-      .half_difference = (even.log_value - odd.log_value) / std::hypot(even.error, odd.error)};
+      .half_difference = (even.log_value - odd.log_value) / std::hypot(even.error, odd.error),
+      .searched = state_.searched.value_or(SearchCounts{})};
   return sample;
 }
 

@@ -63,6 +63,9 @@ void ImportanceSampler::go_on_searching() {
   std::vector<FlowProposal> places =
       found_places(search, state_.learned_power(),
                    evidence(survey.draws.log_weights(state_.learned_power())).log_value);
+  SearchCounts& all = state_.searched ? *state_.searched : state_.searched.emplace();
+  all.num_started += search.u.rows();
+  all.num_found += std::ssize(places);
   state_.search.reset();
   state_.num_found = std::ssize(places);
   if (places.empty()) return begin_reported_levels(survey);

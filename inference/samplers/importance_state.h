@@ -56,6 +56,7 @@ struct ImportanceState {
   std::optional<WeightSearch> search;      ///< while one goes on
   Index num_searches = 0;                  ///< begun so far
   Index num_found = 0;                     ///< places that the last of them has found
+  std::optional<SearchCounts> searched;    ///< by all of them; none: no search has ended
   Index num_levels = 0;                    ///< begun so far, those that were dropped included
   Index num_draws = 0;                     ///< told
   double wanted_power = 0.0;               ///< a

@@ -28,6 +28,12 @@ struct WeightSearch {
   Index num_steps = 0;    ///< that each has made
 };
 
+/// What the searches of a sampler have done.
+struct SearchCounts {
+  Index num_started = 0;  ///< places where searchers began
+  Index num_found = 0;    ///< places where they have found something
+};
+
 /// Steps that a search makes in D dimensions.
 Index num_search_steps(Index dimension);
 

@@ -235,7 +235,7 @@ std::string verdict_on(const Model& model, const Model* best) {
           ? "the best"
           : in_words(best->certificate.log_evidence - c.log_evidence,
                      std::hypot(best->certificate.log_evidence_error, c.log_evidence_error));
-  return inference::faults_of(c).empty() ? words : words + "; " + inference::verdict(c);
+  return inference::faults_of(c).empty() ? words : words + "; sampling " + inference::verdict(c);
 }
 
 std::string label_of(const Model& model) {

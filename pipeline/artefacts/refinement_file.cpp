@@ -7,6 +7,18 @@
 #include <map>
 
 namespace npdr::pipeline {
+namespace {
+
+// Older files lack it.
+void describe(Layout f, std::optional<inference::SearchCounts>& searched) {
+  auto group = f.group("searches", searched);
+  if (!group) return;
+  group->attribute("num_started", searched->num_started, "places where searchers began");
+  group->attribute("num_found", searched->num_found, "places where they have found something");
+}
+
+}  // namespace
+
 void describe(Layout f, std::optional<inference::ImportanceCertificate>& certificate) {
   auto group = f.group("certificate", certificate);
   if (!group) return;
@@ -27,6 +39,7 @@ void describe(Layout f, std::optional<inference::ImportanceCertificate>& certifi
   group->attribute("pool_ess", c.ess_of_all,
                    "of the points that taught, where the particles are of those: the last levels "
                    "have too few; or 0");
+  describe(*group, c.searched);
 }
 
 void describe(Layout f, std::optional<sim::ErrorMemory>& residuals) {
@@ -191,6 +204,7 @@ void describe(Layout f, RefinementCheckpoint& checkpoint) {
   f.attribute("num_found", state.num_found, "places that the last of them has found");
   if (auto walkers = f.group("walkers", state.walkers)) describe(*walkers, *state.walkers);
   if (auto search = f.group("search", state.search)) describe(*search, *state.search);
+  describe(f, state.searched);
   describe_members(f, "level", state.levels);
   describe(f, checkpoint.moves);
   if (!f.lists()) describe(f.group("power_scores"), checkpoint.powers);  // as in the posterior

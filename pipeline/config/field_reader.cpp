@@ -56,6 +56,21 @@ bool has_only_tables(const FieldTree& json) {
   return json.is_object() && !json.empty() && std::ranges::all_of(json, &FieldTree::is_object);
 }
 
+// What is wrong with an entry of the prior: an unknown name, as long as that is a name.
+void reject_marginal(const FieldSlot& slot) {
+  std::vector<std::string> known = names_of<Marginal::Kind>();
+  known.emplace_back(kPhysical);
+  if (slot.json.is_object()) {
+    for (const auto& [key, json] : slot.json.items()) {
+      if (value_named<Marginal::Kind>(key) || key == kPhysical) continue;
+      return slot.reading.fail(
+          slot.path, slot.reading.source(slot.path + "." + key).key,
+          display(slot.path) + ": " + unknown_name("key", shortened(key), known));
+    }
+  }
+  reject(slot, marginal_words());
+}
+
 // `prefix`: the names of the tables around this one, each followed by a point.
 void read_marginals(const FieldSlot& slot, const std::string& prefix, std::set<std::string>& names,
                     std::vector<Marginal>& value) {
@@ -68,8 +83,9 @@ void read_marginals(const FieldSlot& slot, const std::string& prefix, std::set<s
     }
     Marginal marginal;
     marginal.name = name;
-    const bool is_one = member.json.is_object() && member.json.size() == 1;
-    if (!is_one || !read_distribution(member, marginal)) reject(member, marginal_words());
+    const std::size_t size = member.json.contains(kPhysical) ? 2 : 1;
+    const bool is_one = member.json.is_object() && member.json.size() == size;
+    if (!is_one || !read_distribution(member, marginal)) reject_marginal(member);
     if (!names.insert(name).second) {
       member.reading.fail(member.path, fmt::format("prior: {} is there twice", quoted(name)));
     }
@@ -119,6 +135,13 @@ void reject(const FieldSlot& slot, const std::string& words,
 }
 
 bool read_distribution(const FieldSlot& slot, Marginal& marginal) {
+  if (const auto given = slot.json.find(kPhysical); given != slot.json.end()) {
+    const auto ends = given->is_string()
+                          ? value_named<inference::PhysicalEnds>(given->get<std::string>())
+                          : std::nullopt;
+    if (!ends) return false;
+    marginal.physical = *ends;
+  }
   for (const auto& [key, numbers] : slot.json.items()) {
     const auto kind = value_named<Marginal::Kind>(key);
     std::vector<double> bounds;

@@ -103,7 +103,11 @@ nlohmann::ordered_json json_value(const std::optional<T>& value) {
   return value ? json_value(*value) : nlohmann::ordered_json();
 }
 
-/// Kind and numbers of a distribution, in the first member of a table that is called like one.
+/// Key of a distribution's Marginal::physical.
+inline constexpr const char* kPhysical = "physical";
+
+/// Kind and numbers of a distribution, in the first member of a table that is called like one, and
+/// its physical ends, if any.
 bool read_distribution(const FieldSlot& slot, inference::Marginal& marginal);
 
 template <class T>

@@ -67,8 +67,12 @@ std::string broken_rule(const Marginal& m, const sim::Parameter& p) {
 
 void check_bounds(const Marginal& m, const sim::Parameter& parameter, Reading& reading) {
   const std::string rule = broken_rule(m, parameter);
-  if (rule.empty()) return;
   const std::string path = "prior." + m.name;
+  if (rule.empty() && m.is_unbounded() && m.physical != inference::PhysicalEnds::none) {
+    reading.fail(path, path + ".physical must be left out: " + std::string(name_of(m.kind)) +
+                           " has no ends");
+  }
+  if (rule.empty()) return;
   reading.reject(path, fmt::format("[{}, {}]", m.a, m.b), rule);
 }
 

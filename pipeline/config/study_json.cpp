@@ -23,8 +23,9 @@ void add_unused(const Fields& fields, const std::string& prefix, std::vector<Unu
 }
 
 bool read_marginal(const nlohmann::json& json, Reading& reading, inference::Marginal& marginal) {
-  return json.is_object() && json.size() == 3 && json.contains("name") && json.contains("unit") &&
-         read_value({json["name"], "name", reading}, marginal.name) &&
+  const std::size_t size = json.contains(kPhysical) ? 4 : 3;
+  return json.is_object() && json.size() == size && json.contains("name") &&
+         json.contains("unit") && read_value({json["name"], "name", reading}, marginal.name) &&
          read_value({json["unit"], "unit", reading}, marginal.unit) &&
          read_distribution({json, "", reading}, marginal);
 }
@@ -40,7 +41,15 @@ Json json_value(const std::map<std::string, PublishedFigure>& figures) {
   return json;
 }
 
-Json json_value(const std::vector<inference::Marginal>& prior) { return to_json(prior); }
+// Unlike keys, documents say what affects the report alone.
+Json json_value(const std::vector<inference::Marginal>& prior) {
+  Json json = to_json(prior);
+  for (std::size_t d = 0; d < prior.size(); ++d) {
+    if (prior[d].physical == inference::PhysicalEnds::none) continue;
+    json[d][kPhysical] = name_of(prior[d].physical);
+  }
+  return json;
+}
 
 template <class Config, class... Context>
 Fields read_fields(Config& config, const FieldTree* table, Reading& reading,

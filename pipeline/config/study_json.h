@@ -95,6 +95,7 @@ template <class Config>
 nlohmann::ordered_json to_json(const Config& config) {
   return json_of(fields_of(config), [](const FieldUse&) { return true; });
 }
+/// For keys: without physical ends, which affect the report alone.
 nlohmann::ordered_json to_json(const std::vector<inference::Marginal>& prior);
 
 /// The fields of a part that mean something and whose values are part of these artefacts' keys.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "analysis/summary.h"
@@ -224,6 +225,20 @@ bool may_leak(const MethodConfig& method) {
          !inference::is_analytic(algorithm, method.density_estimator.kind);
 }
 
+// Whether nothing lies beyond an end: the study says so, or the simulator's own limit is as near as
+// the test tells values apart. 0 is no end of a parameter over decades.
+bool is_physical(const PressedBound& bound, const inference::Marginal& marginal,
+                 const sim::Parameter& parameter) {
+  using enum inference::PhysicalEnds;
+  if (marginal.physical == both || marginal.physical == (bound.is_lower ? lower : upper)) {
+    return true;
+  }
+  const auto place = [&](double value) { return marginal.is_log() ? std::log(value) : value; };
+  const double limit = bound.is_lower ? parameter.lower : parameter.upper;
+  return std::abs(place(bound.value) - place(limit)) <=
+         inference::BoundPressure::kGap * (place(marginal.upper()) - place(marginal.lower()));
+}
+
 }  // namespace
 
 Vector contraction(const ReportData& data, const std::string& method, Index d) {
@@ -269,15 +284,15 @@ std::vector<PressedBound> pressed_bounds(const inference::Marginal& marginal,
   const Vector v = inference::Prior({marginal}).to_normal(samples).col(0).unaryExpr(&normal_cdf);
   const inference::BoundPressure found = inference::test_bounds(v);
   std::vector<PressedBound> pressed;
-  if (found.presses_lower()) pressed.push_back({marginal.lower(), found.leaks_lower()});
-  if (found.presses_upper()) pressed.push_back({marginal.upper(), found.leaks_upper()});
+  if (found.presses_lower()) pressed.push_back({marginal.lower(), true, found.leaks_lower()});
+  if (found.presses_upper()) pressed.push_back({marginal.upper(), false, found.leaks_upper()});
   return pressed;
 }
 
 template <>
 Finding judge<Check::bounds>(const MethodResults& m) {
   if (m.has_too_few_samples()) return too_few_samples(m.runs.front()->evaluation.theta.rows());
-  std::vector<std::string> pressed;
+  std::vector<std::string> pressed, physical;
   std::set<const EvaluatedRun*> failed;
   bool leaks = false;
   for (const Index d : m.inferred()) {
@@ -285,27 +300,35 @@ Finding judge<Check::bounds>(const MethodResults& m) {
     const double period = m.data.period_of(d);
     // Of an angle over all of its period both ends may hold samples.
     if (period > 0.0 && marginal.b - marginal.a >= 0.999 * period) continue;
-    std::set<double> bounds;  // of all seeds
+    std::map<double, bool> bounds;  // of all seeds, and whether they are faults
     for (const EvaluatedRun* run : m.runs) {
       for (const PressedBound& bound : pressed_bounds(marginal, run->evaluation.theta.col(d))) {
-        bounds.insert(bound.value);
-        leaks |= bound.leaks;
-        failed.insert(run);
+        const bool has_leaked = bound.leaks && may_leak(m.method);
+        const bool is_fault = has_leaked || !is_physical(bound, marginal, m.data.parameter(d));
+        bounds[bound.value] |= is_fault;
+        leaks |= has_leaked;
+        if (is_fault) failed.insert(run);
       }
     }
-    for (const double bound : bounds) {
+    for (const auto& [bound, is_fault] : bounds) {
       const std::string unit = marginal.unit == "1" ? "" : " " + marginal.unit;
-      pressed.push_back(fmt::format("{} at {:.4g}{}", marginal.name, bound, unit));
+      (is_fault ? pressed : physical)
+          .push_back(fmt::format("{} at {:.4g}{}", marginal.name, bound, unit));
     }
   }
-  if (pressed.empty()) return passes("");
-  return fails("PRESSES against them" + seeds_text(std::ssize(failed), m.runs.size()),
-               fmt::format("its samples press against the end of the prior: {}; the prior may "
-                           "exclude the truth: widen it, or look for what the simulator lacks{}",
-                           join(pressed),
-                           leaks && may_leak(m.method)
-                               ? "; or its density has leaked there: try combined_loss = true"
-                               : ""));
+  if (pressed.empty() && physical.empty()) return passes("");
+  if (pressed.empty()) {
+    return passes("at a physical limit",
+                  fmt::format("its samples press against a physical limit, which is no fault: {}; "
+                              "the truth may lie there",
+                              join(physical)));
+  }
+  return fails(
+      "PRESSES against them" + seeds_text(std::ssize(failed), m.runs.size()),
+      fmt::format("its samples press against the end of the prior: {}; the prior may "
+                  "exclude the truth: widen it, or look for what the simulator lacks{}",
+                  join(pressed),
+                  leaks ? "; or its density has leaked there: try combined_loss = true" : ""));
 }
 
 }  // namespace npdr::pipeline

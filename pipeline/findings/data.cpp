@@ -70,10 +70,12 @@ bool ReportData::is_inferred(const std::string& method, Index d) const {
   return std::ranges::any_of(runs_of(method), varies);
 }
 
-double ReportData::period_of(Index d) const {
+const sim::Parameter& ReportData::parameter(Index d) const {
   const Index p = sim::parameter_index(info, marginal(d).name);
-  return info.parameters[static_cast<std::size_t>(p)].period;
+  return info.parameters[static_cast<std::size_t>(p)];
 }
+
+double ReportData::period_of(Index d) const { return parameter(d).period; }
 
 analysis::Summary ReportData::summary_of(Index d, const Eigen::Ref<const Vector>& samples) const {
   const inference::Prior prior({marginal(d)});

@@ -68,6 +68,8 @@ struct ReportData {
   /// True where the method's samples differ in parameter d of the prior: some methods take
   /// parameters as known that others infer.
   bool is_inferred(const std::string& method, Index d) const;
+  /// The simulator's.
+  const sim::Parameter& parameter(Index d) const;
   /// Values of parameter d of the prior that far apart are the same system; 0: none are.
   double period_of(Index d) const;
   /// Mean and deviation of samples of that parameter; of a periodic one in the period around the

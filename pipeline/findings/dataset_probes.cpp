@@ -8,7 +8,6 @@
 #include "core/text.h"
 #include "inference/diagnostics/row_faults.h"
 #include "inference/prior.h"
-#include "pipeline/findings/probe.h"
 #include "pipeline/sources/first_rows.h"
 #include "pipeline/sources/source.h"
 

@@ -49,6 +49,11 @@ std::string why_not_calibrated(const MethodResults& m) {
            "posteriors are too sure, or too unsure; keep rows back, and see where their parameters "
            "lie in what npdr sample --x draws for them";
   }
+  if (has_network && m.method.algorithm.num_rounds > 1) {
+    return "of several rounds only the network of round 1 can be calibrated, which isn't the "
+           "result; held-out rollouts, or a refinement that starts from the result, tell whether "
+           "that is too sure";
+  }
   const bool could_be = traits_of(Check::coverage).why_unchecked(study, m.method).empty();
   if (!could_be || m.checks.calibrates()) return "";
   return fmt::format(
@@ -90,7 +95,10 @@ std::vector<CheckSummary> check_summaries(const ReportData& data) {
     const MethodResults m(data, method);
     const Findings findings = findings_of(m);
     if (findings.empty()) continue;
-    CheckSummary summary{method, std::ssize(findings), {}, {}, {}, {}};
+    const auto is_verdict = [&](const Finding& finding) {
+      return m.is_of_result(*value_named<Check>(finding.id));
+    };
+    CheckSummary summary{method, std::ranges::count_if(findings, is_verdict), {}, {}, {}, {}};
     for (const auto& [id, severity, where, what, evidence] : findings) {
       if (severity == Severity::wrong) summary.failed.push_back(where);
       if (severity == Severity::unknown) summary.unknown.push_back(where);

@@ -24,6 +24,7 @@ Vector contraction(const ReportData& data, const std::string& method, Index d);
 /// An end of a prior that samples press against.
 struct PressedBound {
   double value = 0.0;
+  bool is_lower = false;
   bool leaks = false;  ///< samples lie where hardly any of the prior's do
 };
 

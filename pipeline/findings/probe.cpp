@@ -42,8 +42,10 @@ MethodResults::MethodResults(const ReportData& all, const std::string& name)
       diagnoses(all.diagnoses_of(name)) {}
 
 double MethodResults::level() const {
-  const auto has_p_value = [](Check check) { return traits_of(check).has_p_value; };
-  const auto tests = static_cast<std::size_t>(std::ranges::count_if(checks.checks, has_p_value));
+  const auto can_fail = [this](Check check) {
+    return traits_of(check).has_p_value && is_of_result(check);
+  };
+  const auto tests = static_cast<std::size_t>(std::ranges::count_if(checks.checks, can_fail));
   return checks.alpha / static_cast<double>(std::max<std::size_t>(tests * diagnoses.size(), 1));
 }
 
@@ -78,6 +80,12 @@ Finding cannot_tell(std::string what, std::string evidence) {
   return {.severity = Severity::unknown, .what = std::move(what), .evidence = std::move(evidence)};
 }
 
+Finding notes_down(std::string evidence, std::string what) {
+  return {.severity = what.empty() ? Severity::fine : Severity::note,
+          .what = std::move(what),
+          .evidence = std::move(evidence)};
+}
+
 Finding too_few_samples(Index count) {
   return cannot_tell(fmt::format("{} samples are too few; raise evaluate.num_samples to {} or more",
                                  count, inference::kFewestForBounds));
@@ -101,6 +109,13 @@ Finding judge_p_value(const MethodResults& m, const PValueProbe& probe) {
   }
   const char* sign = m.diagnoses.size() > 1 && smallest < 1.0 ? "≥" : "=";
   const std::string p_text = fmt::format("p {} {:.2g}", sign, smallest);
+  if (!m.is_of_result(probe.check)) {
+    return notes_down("of round 1, " + p_text,
+                      failed == 0 ? ""
+                                  : "no fault of the result, which a later round has made: in "
+                                    "round 1 " +
+                                        what);
+  }
   if (failed > 0)
     return fails(probe.failure + seeds_text(failed, m.diagnoses.size()) + ", " + p_text, what);
   return too_little.empty() ? passes(p_text) : cannot_tell(too_little);

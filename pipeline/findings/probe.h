@@ -29,7 +29,12 @@ struct MethodResults {
   /// The p-value below which one of its checks fails: Bonferroni over those, and the seeds.
   double level() const;
   bool is(inference::Algorithm kind) const { return method.algorithm.kind == kind; }
-  /// Whether each seed and method has an observation of its own.
+  /// Whether a check is about the posterior that is the result. The network of round 1 isn't that
+  /// where there are several: what is found of it is a note.
+  bool is_of_result(Check check) const {
+    return traits_of(check).input != CheckInput::calibration || method.algorithm.num_rounds == 1;
+  }
+  /// Each seed and method has an observation of its own.
   bool has_outer_loop() const { return study.num_iterations_of(method) > 1; }
   /// The parameters of the prior that it infers, others it takes as known.
   std::vector<Index> inferred() const;
@@ -51,8 +56,14 @@ Finding judge(Check check, const MethodResults& m);
 Finding passes(const std::string& evidence, std::string what = "");
 Finding fails(std::string evidence, std::string what);
 Finding cannot_tell(std::string what, std::string evidence = "can't tell");
+/// What a check of something else than the result has found.
+Finding notes_down(std::string evidence, std::string what);
 /// For less than inference::kFewestForBounds samples.
 Finding too_few_samples(Index count);
+
+/// Reasons not to trust the draws of a refined posterior: its certificate's, and that another seed
+/// has found more.
+std::vector<std::string> faults_of(const MethodResults& m, const EvaluatedRun& run);
 
 /// A check with a p-value.
 struct PValueProbe {

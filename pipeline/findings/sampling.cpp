@@ -65,12 +65,13 @@ std::string words_of_power(double power, bool is_chosen) {
   if (power >= small) return "";
   if (!is_chosen) {
     return fmt::format(
-        "the recording hardly counts, at refine.likelihood_power = {:.2g}: raise it, unless "
-        "simulator or noise lack something",
+        "its draws are right, but the recording hardly counts, at refine.likelihood_power = "
+        "{:.2g}: raise it, unless simulator or noise lack something",
         power);
   }
   return fmt::format(
-      "the recording hardly counts, at a power of {:.2g}, the smallest that predicts left-out "
+      "its draws are right, but the recording hardly counts, at a power of {:.2g}, the smallest "
+      "that predicts left-out "
       "rollouts about as well as any: simulator or noise lack something, or rollouts are too few "
       "to tell",
       power);
@@ -97,13 +98,18 @@ Finding judge_certificates(const MethodResults& m) {
   Index failed = 0;
   double smallest = kInfinity, heaviest = -kInfinity, power = 1.0, largest_power = 0.0;
   bool has_pool = false;
+  std::optional<inference::SearchCounts> searched;  // by all seeds
   for (const EvaluatedRun* run : m.runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;
-    std::vector<std::string> its = faults_of(certificate);
+    const std::vector<std::string> its = faults_of(m, *run);
     add_new(remedies, remedies_of(m, certificate));
-    if (misses_a_mode(m, *run)) {
-      its.emplace_back("its log Z is less than another seed's, so it has missed a mode");
+    if (its.size() > faults_of(certificate).size()) {
       add_new(remedies, {"raise refine.level_size for modes"});
+    }
+    if (const auto& its_search = certificate.searched) {
+      inference::SearchCounts& all = searched ? *searched : searched.emplace();
+      all.num_started += its_search->num_started;
+      all.num_found += its_search->num_found;
     }
     failed += its.empty() ? 0 : 1;
     add_new(faults, its);
@@ -116,8 +122,9 @@ Finding judge_certificates(const MethodResults& m) {
   std::string text = fmt::format("effective size {:.0f}, Pareto k {:.2g}", smallest, heaviest);
   const auto first = fmt::format("{:.2g}", power), last = fmt::format("{:.2g}", largest_power);
   if (power < 1.0) text += ", power " + (first == last ? first : first + " to " + last);
+  if (const std::string search = words_of(searched); !search.empty()) text += ", " + search;
   if (failed == 0) return pass_certificates(m, text, power);
-  return fails("its draws DON'T hold" + seeds_text(failed, m.runs.size()) + ", " + text,
+  return fails("FAILS" + seeds_text(failed, m.runs.size()) + ", " + text,
                fmt::format("{}: {}{}", join(faults), join(remedies, ", or "),
                            has_pool ? "; until then its samples are the points that taught its "
                                       "flows, which independent draws don't confirm"
@@ -189,6 +196,14 @@ Finding judge_chains(const MethodResults& m) {
 }
 
 }  // namespace
+
+std::vector<std::string> faults_of(const MethodResults& m, const EvaluatedRun& run) {
+  std::vector<std::string> faults = inference::faults_of(*run.notes.certificate);
+  if (misses_a_mode(m, run)) {
+    faults.emplace_back("its log Z is less than another seed's, so it has missed a mode");
+  }
+  return faults;
+}
 
 template <>
 Finding judge<Check::sampling>(const MethodResults& m) {

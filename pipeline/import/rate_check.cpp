@@ -21,6 +21,8 @@ constexpr double kStandsOut = 5.0;
 // Drift of a rate without noise of its own, while nothing moves.
 constexpr double kStandsOutAlone = 20.0;
 constexpr double kTolerance = 0.15;
+// Differences to the sample before are short of a swing's rates by (omega dt)^2 / 8: twice that.
+constexpr double kBendShare = 0.25;
 constexpr double kLeapStandsOut = 30.0;  // of the median size: 20 standard deviations of noise
 constexpr double kFewestCounts = 4.0;    // of an encoder, that are a leap
 constexpr double kLargestScatter = 0.5;
@@ -36,17 +38,24 @@ double size_of(const Vector& values) {
 // The same about the median.
 double spread_of(const Vector& values) { return size_of(values.array() - median(values)); }
 
+// In most of its steps, as the speed in counts that a slow servo tells.
+bool stands_still(const Vector& rate) {
+  constexpr double rounding = 1e-6;
+  return median(Vector(differences(rate).cwiseAbs())) <= rounding * size_of(rate);
+}
+
 // Slopes of the positions, and averages of the rates that belong to them, of every whole window.
 struct Slopes {
   Vector of_position, of_rate;
-  double noise;  // standard deviation that noise gives them, the larger of both
+  double noise;     // standard deviation that noise gives them, the larger of both
+  bool are_coarse;  // rates that stay the same in most of their steps
 };
 
 Slopes slopes_over(const Vector& position, const Vector& rate, Index window, double dt) {
   const sim::SavitzkyGolay line = sim::savitzky_golay(window, 1, dt);
   const Vector weights = line.step_average(dt);
   const Index count = position.size() - window + 1;
-  Slopes slopes{Vector(count), Vector(count), 0.0};
+  Slopes slopes{Vector(count), Vector(count), 0.0, stands_still(rate)};
   const Vector held = 0.5 * (rate.head(rate.size() - 1) + rate.tail(rate.size() - 1));
   for (Index t = 0; t < count; ++t) {
     slopes.of_position(t) = line.slope.dot(position.segment(t, window));
@@ -68,10 +77,12 @@ RateFit fit_of(const Slopes& slopes, Index window) {
     ratios.push_back(slopes.of_position(t) / slopes.of_rate(t));
   }
   if (ratios.empty()) return {window, 0.0, kInfinity, slack};
+  const double bend = size_of(differences(differences(slopes.of_rate)));
+  const double blur = slopes.are_coarse ? kInfinity : kBendShare * bend / size_of(slopes.of_rate);
   const double ratio = median(ratios);
   std::ranges::transform(ratios, ratios.begin(), [&](double r) { return std::abs(r - ratio); });
   const double scatter = ratio == 0.0 ? kInfinity : median(ratios) / std::abs(ratio);
-  return {window, ratio, scatter, slack};
+  return {window, ratio, scatter, slack, blur};
 }
 
 // Whether both move, or one of them so much that the other should.

@@ -26,6 +26,8 @@ struct RateFit {
   double ratio = 0.0;    ///< median of slope / rate, where the rate is large: 1 when all is well
   double scatter = 0.0;  ///< median deviation from it, as a part of it
   double slack = 0.0;    ///< what a short rollout adds to both, when rates lag behind
+  double blur =
+      0.0;  ///< what few samples a swing may change of the ratio; infinite: rates are coarse
 };
 
 enum class RateVerdict {

@@ -8,6 +8,7 @@
 #include "inference/prior.h"
 #include "inference/samplers/chain_diagnostics.h"
 #include "pipeline/artefacts/simulation_file.h"
+#include "pipeline/findings/probe.h"
 #include "pipeline/plan/completeness.h"
 #include "pipeline/report/parts.h"
 
@@ -297,7 +298,11 @@ std::optional<Table> refinement_table(const ReportData& data) {
   add("Pareto k", &Certificate::pareto_k);
   add("power", &Certificate::power);
   add("simulations", &Certificate::num_draws);
-  add("verdict", [](const Certificate& certificate) { return inference::verdict(certificate); });
+  add("search", [](const Certificate& certificate) { return words_of(certificate.searched); });
+  // In the words of the check of that name, which tells nothing of simulator and noise.
+  table.add("Sampling", [&data](const EvaluatedRun* run) -> Cell {
+    return inference::verdict(faults_of(MethodResults(data, run->use.method), *run));
+  });
   return table.make();
 }
 

@@ -23,7 +23,7 @@ const ImportanceCertificate kGood = {.power = 1.0,
 
 TEST(ImportanceCertificate, HoldsWithoutFaults) {
   EXPECT_TRUE(faults_of(kGood).empty());
-  EXPECT_EQ(verdict(kGood), "holds");
+  EXPECT_EQ(verdict(kGood), "passes");
 }
 
 TEST(ImportanceCertificate, SaysWhatIsWrong) {
@@ -42,12 +42,19 @@ TEST(ImportanceCertificate, ATailOfWeightsThatAreAlmostEvenIsNoFault) {
   even.pareto_k = 1.2;
   EXPECT_EQ(verdict(even), "FAILS: heavy weights");
   even.efficiency = 0.8;
-  EXPECT_EQ(verdict(even), "holds");
+  EXPECT_EQ(verdict(even), "passes");
+}
+
+TEST(ImportanceCertificate, SaysWhatItsSearchesHaveDone) {
+  EXPECT_EQ(words_of(kGood.searched), "") << "an older file";
+  EXPECT_EQ(words_of(SearchCounts{84, 0}), "searched 84 places, found none");
+  EXPECT_EQ(words_of(SearchCounts{84, 2}), "searched 84 places, found 2");
+  EXPECT_EQ(words_of(SearchCounts{}), "too few simulations to search for modes");
 }
 
 TEST(ImportanceCertificate, MissesPointsThatWereKnown) {
   ImportanceCertificate missing = kGood;
-  EXPECT_EQ(verdict(missing), "holds");
+  EXPECT_EQ(verdict(missing), "passes");
   missing.missed_share = 0.051;
   EXPECT_EQ(verdict(missing), "FAILS: a mode may be missed");
 }

@@ -33,6 +33,16 @@ TEST(StudyJson, ReadsEveryKindOfPriorBack) {
   EXPECT_TRUE(std::ranges::equal(prior, study.prior, {}, parts, parts)) << "to the bit";
 }
 
+TEST(StudyJson, PhysicalEndsArePartOfDocumentsButNotOfKeys) {
+  const std::string uniform = "prior.pole_mass={ uniform = [0.3, 1.7]";
+  const Study plain = parse_study(kStudyText, "s.toml", {uniform + " }"}),
+              physical = parse_study(kStudyText, "s.toml", {uniform + ", physical = 'lower' }"});
+  EXPECT_EQ(to_json(physical.prior), to_json(plain.prior));
+  const Json document = document_json(physical)["prior"];
+  EXPECT_NE(document, document_json(plain)["prior"]);
+  EXPECT_EQ(prior_from_json(document, "p.h5").front().physical, inference::PhysicalEnds::lower);
+}
+
 template <class Config>
 void expect_round_trip(const Config& config) {
   const Json json = to_json(config);

@@ -31,6 +31,26 @@ TEST_F(Verdicts, DensityThatHasLeakedIsHeldBackByTheCombinedLoss) {
   EXPECT_FALSE(has(words(), "combined_loss")) << "the analytic loss";
 }
 
+// The prior ends at the simulator's own limit, or a little above it.
+TEST_F(Verdicts, AnEndWhereTheSimulatorEndsIsNoFault) {
+  RowMatrix theta = samples_around(1.0, 0.02);
+  theta.col(0) = 0.3 + 0.02 * (theta.col(0).array() - 1.0).abs();
+  add_run(theta, 0.02);
+  EXPECT_EQ(finding_of(Check::bounds).severity, Severity::wrong);
+  const Index p = sim::parameter_index(data_.info, "pole_mass");
+  double& limit = data_.info.parameters[static_cast<std::size_t>(p)].lower;
+  for (const double near : {0.3, 0.3 - 0.004 * 1.4}) {
+    limit = near;
+    EXPECT_EQ(finding_of(Check::bounds).severity, Severity::note) << near;
+  }
+  EXPECT_TRUE(has(finding_of(Check::bounds).what, "no fault: pole_mass at 0.3 kg"));
+  limit = 0.2;
+  EXPECT_EQ(finding_of(Check::bounds).severity, Severity::wrong) << "it can be widened";
+  limit = 0.0;
+  plan_.study.prior.front().kind = inference::Marginal::Kind::log_uniform;
+  EXPECT_EQ(finding_of(Check::bounds).severity, Severity::wrong) << "0 is decades away";
+}
+
 // A correlation of 400 samples that don't depend on each other has a standard error of 0.05.
 TEST_F(Verdicts, ACombinationThatAloneIsKnownIsSaid) {
   RowMatrix theta = samples_around(1.0, 0.2);

@@ -76,6 +76,29 @@ TEST(RateReport, SaysWhatWasChecked) {
       says(notes(partly)[0], {"checked: theta_dot is the slope of theta", "; not in 1 of"}));
 }
 
+// Rates and slopes disagree by the same 5 % wherever one looks, which scatters by much less.
+TEST(RateReport, AClockThatIsSlightlyOffIsFound) {
+  const auto clean = [](double dt, Index count, double lag) {
+    Target target = right_target(dt);
+    for (std::size_t h = 0; h < target.rollouts.size(); ++h) {
+      RowMatrix states(count, 4);
+      for (Index c = 0; c < 2; ++c) {
+        const Motion motion =
+            smooth_motion(count, 0.004, 2 * h + static_cast<std::uint64_t>(c) + 1);
+        states.col(c) = rounded(motion.position, 1e-3);
+        states.col(c + 2) = lagging(motion.rate, lag, 0.004);
+      }
+      target.rollouts[h].states = states;
+    }
+    return target;
+  };
+  EXPECT_TRUE(problems(clean(0.004, 1000, 0.0)).empty());
+  ASSERT_EQ(problems(clean(0.0042, 1000, 0.0)).size(), 1u);
+  EXPECT_TRUE(says(problems(clean(0.0042, 1000, 0.0)).front(), {"dt is probably 0.0042 * 0.952"}));
+  EXPECT_TRUE(problems(clean(0.0042, 1000, 0.03)).empty()) << "a filter is off by as much";
+  EXPECT_TRUE(problems(clean(0.0042, 100, 0.0)).empty()) << "a part of a swing";
+}
+
 // Ratios themselves are those of rate_check_test.cpp, and words those of tests/golden/import.txt.
 TEST(RateReport, NamesTheColumnAndItsFactor) {
   constexpr double degrees = 180.0 / M_PI, rpm = 30.0 / M_PI;
