@@ -39,17 +39,4 @@ double scatter(const Vector& series) {
   return rounding_of(series);
 }
 
-double scatter_of(const Target& recording) {
-  Vector of_channels = Vector::Zero(recording.num_states());
-  for (const Rollout& rollout : recording.rollouts) {
-    for (Index c = 0; c < recording.num_states(); ++c) {
-      const Vector series = rollout.states.col(c);
-      const double largest = series.cwiseAbs().maxCoeff();
-      if (largest == 0.0) continue;
-      of_channels(c) += std::max(scatter(series), rounding_of(series)) / largest;
-    }
-  }
-  return of_channels.maxCoeff() / static_cast<double>(recording.num_rollouts());
-}
-
 }  // namespace npdr::analysis

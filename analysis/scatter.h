@@ -9,7 +9,6 @@
 /// samples, as that of filters, may be larger.
 #pragma once
 
-#include "core/target.h"
 #include "core/types.h"
 
 namespace npdr::analysis {
@@ -18,12 +17,9 @@ namespace npdr::analysis {
 /// an encoder's count. 0: it stands still.
 double smallest_step(const Vector& series);
 
-/// sigma of a series (n), in its unit; 0 of one that stands still, and of fewer than 4 samples.
+/// sigma of a series (n), in its unit; 0 of one that stands still, and of fewer than 4 samples. It
+/// may be too small of rates that were computed or filtered: these hardly scatter, whatever their
+/// noise.
 double scatter(const Vector& series);
-
-/// The same of the channel that scatters most, as an RMSE (metrics.h): over the largest magnitude
-/// of the rollout's channel, in the mean over rollouts, but no less than its rounding. Of others it
-/// may be too small: rates that were computed or filtered hardly scatter, whatever their noise.
-double scatter_of(const Target& recording);
 
 }  // namespace npdr::analysis

@@ -73,6 +73,21 @@ void describe(Layout f, InferredNoise& noise) {
     {.unless_empty = true});
 }
 
+void describe(Layout f, RecordingMisfit& misfit) {
+  const Dims dims = {{"HS", "part"}, {"C", "channel"}};
+  f("left", misfit.left, dims,
+    "root mean square errors in each tenth of each rollout, over the noise's deviation");
+  f("of_noise", misfit.of_noise, dims, "the same of draws of the noise");
+  f.attribute("num_rollouts", misfit.num_rollouts, "H");
+  f.attribute("times", misfit.times, "the errors' size over that of draws of the noise");
+  f.attribute("deviation", misfit.deviation, "of a draw's, over their mean");
+  f.attribute("noise_is_given", misfit.noise_is_given,
+              "1: by the study; 0: it is what neighboring samples scatter by");
+  f.attribute("limit", misfit.limit, "of `times`, above which the simulator lacks something");
+  f.attribute("cause", misfit.cause, "a change of the recording that explains it best");
+  f.attribute("times_of_cause", misfit.times_of_cause, "`times` with that change");
+}
+
 void describe(Layout f, PriorPredictions& prior) {
   f.each(prior.metrics, metrics_of(f), {{"S", "row"}},
          "metrics of S draws of the prior; NaN where the rollouts failed");
@@ -138,6 +153,7 @@ void describe(Layout f, Baseline& baseline) {
   }
   points.resize(names.size());
   if (auto group = f.group("prior", baseline.prior)) describe(*group, *baseline.prior);
+  if (auto group = f.group("misfit", baseline.misfit)) describe(*group, *baseline.misfit);
   if (!f.reads()) return;
   for (Index i = 0; i < theta.rows(); ++i) {
     BaselinePoint& point = points[static_cast<std::size_t>(i)];

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "analysis/misfit.h"
 #include "analysis/quantiles.h"
 #include "inference/posterior.h"
 #include "inference/prior.h"
@@ -86,9 +87,20 @@ struct PriorPredictions {
   RolloutScores scores = {};
 };
 
+/// What a fit from the floor leaves of a recording.
+struct RecordingMisfit : analysis::Misfit {
+  bool noise_is_given = false;  ///< else it is what neighboring samples scatter by
+  double limit = 0.0;           ///< of `times`, above which the simulator lacks something
+  std::string cause = {};       ///< a change of the recording that explains it best; "": none
+  double times_of_cause = 0.0;  ///< `times` with that change
+
+  bool is_beyond() const { return times > limit; }
+};
+
 struct Baseline {
   std::vector<BaselinePoint> points;
   std::optional<PriorPredictions> prior;             ///< none of a dataset
+  std::optional<RecordingMisfit> misfit = {};        ///< where there is a floor, and a fit
   std::vector<inference::Marginal> parameters = {};  ///< of theta's columns; not read
 };
 void describe(Layout f, Baseline& baseline);

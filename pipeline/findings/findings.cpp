@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "analysis/begins_at_rest.h"
 #include "pipeline/findings/probe.h"
@@ -80,6 +81,15 @@ Findings findings_of(const MethodResults& m) {
   for (const Check check : values_of<Check>()) {
     if (m.checks.has(check)) findings.push_back(judge(check, m));
   }
+  // The first that fails of those which a wrong simulator makes fail says where.
+  const auto says_where = [](const Finding& found) {
+    using enum Check;
+    constexpr std::array told_by = {predictive, residuals, fit, held_out};
+    return found.severity == Severity::wrong &&
+           std::ranges::any_of(told_by, [&](Check check) { return found.id == name_of(check); });
+  };
+  const auto first = std::ranges::find_if(findings, says_where);
+  if (first != findings.end()) first->what += where_wrong(m.data);
   return findings;
 }
 

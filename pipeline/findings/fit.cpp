@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/scatter.h"
 #include "core/quantile.h"
 #include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
@@ -83,21 +82,13 @@ double floor_of(const ReportData& data) {
   return 0.0;
 }
 
-// What the best parameters leave of the observation, where noise doesn't say that they leave it.
-std::string understated_noise(double noise, double of_floor) {
-  constexpr double far_more = 3.0;
-  if (of_floor < far_more * noise) return "";
-  return fmt::format(
-      "no parameters explain the observation better than the floor's {:.2g}, {:.0f} times the "
-      "noise: raise observation_noise towards it, or look for what the simulator lacks",
-      of_floor, of_floor / noise);
-}
-
 // White noise of a recording is what the best parameters leave of it, but for the little that they
 // take away of so many numbers. The size of heavy tails may be that of a few numbers, which a
 // recording needn't have.
-std::string overstated_noise(const Study& study, double noise, double of_floor) {
+std::string overstated_noise(const ReportData& data, double of_floor) {
   constexpr double far_more = 3.0;
+  const Study& study = data.plan.study;
+  const double noise = known_noise(data);
   const ObservationNoise& stated = study.observation_noise;
   if (!study.target.recording || stated.is_correlated() || stated.is_heavy_tailed() ||
       of_floor == 0.0 || noise < far_more * of_floor) {
@@ -107,42 +98,6 @@ std::string overstated_noise(const Study& study, double noise, double of_floor) 
       "the best parameters leave {:.2g} of the recording, the noise is {:.0f} times as large: "
       "lower observation_noise, or posteriors say less than the recording does",
       of_floor, noise / of_floor);
-}
-
-// The same where no noise is stated; one whose scale is inferred takes up what the simulator lacks,
-// as one that is much larger than what the recording scatters by shows.
-std::string unexplained_rest(const ReportData& data, double of_floor) {
-  // Coarse encoders, and rates that are computed of them, leave up to four times what they scatter
-  // by.
-  constexpr double of_usual_sensors = 0.05, far_more = 8.0;
-  const Study& study = data.plan.study;
-  if (!study.target.recording) return "";
-  const bool is_white = !study.observation_noise.is_correlated();
-  const double scatter = is_white ? analysis::scatter_of(data.target) : 0.0;
-  const bool is_structured = scatter > 0.0 && of_floor > far_more * scatter;
-  if (of_floor < of_usual_sensors && !is_structured) return "";
-  const std::string found = fmt::format(
-      "no parameters explain the recording better than the floor's {:.2g} of its largest "
-      "magnitudes",
-      of_floor);
-  if (!is_structured) {
-    return found +
-           ": unless its sensors are that noisy, or the simulator draws at random, look for what "
-           "the simulator lacks";
-  }
-  const double times = of_floor / scatter;
-  return fmt::format(
-      "{}, {} what neighboring samples scatter by: unless the noise lasts for many "
-      "samples, or first states are noisy, the simulator lacks something (a delay, friction), "
-      "parameters make up for it, and the truth may be many deviations away",
-      found, times < 100.0 ? fmt::format("{:.0f} times", times) : "far above");
-}
-
-std::string what_the_best_leave(const ReportData& data, double of_floor) {
-  const double noise = known_noise(data);
-  if (noise == 0.0) return unexplained_rest(data, of_floor);
-  const std::string understated = understated_noise(noise, of_floor);
-  return understated.empty() ? overstated_noise(data.plan.study, noise, of_floor) : understated;
 }
 
 // Networks leave what more simulations near the recording would find.
@@ -204,7 +159,11 @@ Finding judge<Check::fit>(const MethodResults& m) {
                     "is {:.3g}: a mode that isn't there; try {}, or a refinement of its posterior",
                     of_prior, worst, advice));
   }
-  std::vector<std::string> remarks = {what_the_best_leave(m.data, of_floor),
+  if (m.data.baseline.misfit && m.data.baseline.misfit->is_beyond()) {
+    return fails(fmt::format("{:.2g} times the noise is LEFT", m.data.baseline.misfit->times),
+                 words_of_misfit(m.data));
+  }
+  std::vector<std::string> remarks = {overstated_noise(m.data, of_floor),
                                       room_to_learn(m, worst, of_floor)};
   std::erase(remarks, "");
   return passes(size, join(remarks, "; "));

@@ -81,6 +81,13 @@ Finding judge_p_value(const MethodResults& m, const PValueProbe& probe);
 /// What would let a method learn more of its observation.
 std::string advice_to_learn(const MethodConfig& method);
 
+/// What the best parameters leave of a recording that they don't explain: Baseline::misfit is there
+/// and beyond its limit.
+std::string words_of_misfit(const ReportData& data);
+/// Where its errors are far larger than elsewhere, a sentence that follows another; "": nowhere, or
+/// parameters do explain it.
+std::string where_wrong(const ReportData& data);
+
 /// Whether the observation is a recording, and the study doesn't say what noise it has, nor that it
 /// has none.
 bool is_noise_unstated(const Study& study);

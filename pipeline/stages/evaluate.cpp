@@ -7,6 +7,7 @@
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/features/observation.h"
+#include "pipeline/predictions/misfit.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/predictions/scores.h"
 #include "pipeline/process/progress.h"
@@ -117,7 +118,7 @@ template <>
 void run<Stage::baseline>(const Plan& plan, const Node& node, const std::vector<Index>&) {
   ArtefactWriter writer(node.path, kBaselineSchema, node.identity);
   const Judge judge(plan, node);
-  Baseline baseline{.points = {}, .prior = {}, .parameters = plan.study.prior};
+  Baseline baseline{.points = {}, .prior = {}, .misfit = {}, .parameters = plan.study.prior};
   std::vector<BaselinePoint>& points = baseline.points;
   const auto add = [&](const std::string& name, const std::map<std::string, double>& values) {
     const Vector complete = plan.source->parameters().nominal(values);
@@ -131,6 +132,9 @@ void run<Stage::baseline>(const Plan& plan, const Node& node, const std::vector<
     add("truth", *truth);
   } else if (plan.study.evaluate.floor) {
     points.push_back(find_floor(plan, node, judge));
+    const std::filesystem::path log = log_of(node.path);
+    baseline.misfit = find_misfit(plan, judge.seen().observation(), points.back().theta,
+                                  log.parent_path() / (log.stem().string() + "-fit.log"));
   }
   if (plan.study.source().simulates) baseline.prior = predict_by_prior(plan, judge);
   kBaselineSchema.write(writer.file(), std::move(baseline));

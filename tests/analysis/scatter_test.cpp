@@ -41,18 +41,6 @@ TEST(Scatter, OfAnEncoderIsItsRounding) {
   EXPECT_EQ(smallest_step(Vector::Ones(10)), 0.0);
 }
 
-TEST(Scatter, OfARecordingIsThatOfItsNoisiestChannel) {
-  Target recording{0.01, {{"q", "m"}, {"v", "m/s"}}, {}, {}, "test"};
-  for (const double size : {1.0, 10.0}) {
-    RowMatrix states(2000, 2);
-    states.col(0) = size * swing_with_noise(2000, 0.01);
-    states.col(1).setZero();
-    recording.rollouts.push_back({"", states, RowMatrix(1999, 0)});
-  }
-  const double largest = recording.rollouts[0].states.col(0).cwiseAbs().maxCoeff();
-  EXPECT_NEAR(scatter_of(recording), 0.01 / largest, 0.1 * 0.01);
-}
-
 // theta = a t^2 + b t beside a channel that stands still.
 Rollout motion(double a, double b) {
   Rollout rollout{"0", RowMatrix::Zero(100, 2), RowMatrix::Zero(99, 1)};

@@ -136,21 +136,48 @@ TEST_F(Verdicts, TheTableHasThemAll) {
   EXPECT_EQ(table.rows[1].cells.front().notes, table.footnotes);
 }
 
-// A noise that is inferred takes up what the simulator lacks, and every check passes.
-TEST_F(Verdicts, AFloorFarAboveTheScatterOfARecordingIsSaid) {
-  plan_.study.target.recording = "recording.h5";
-  Stream stream({5, "verdicts_test", 0, 0, 0});
-  auto& states = data_.target.rollouts.front().states;
-  for (double& value : states.reshaped()) value += 0.004 * stream.normal();
+RecordingMisfit misfit_of(double times, bool noise_is_given, double limit) {
+  RecordingMisfit misfit;
+  misfit.num_rollouts = 1;
+  misfit.left = RowMatrix::Constant(10, 2, 1.0);
+  misfit.of_noise = RowMatrix::Ones(10, 2);
+  misfit.times = times;
+  misfit.noise_is_given = noise_is_given;
+  misfit.limit = limit;
+  return misfit;
+}
+
+// A noise that is inferred takes up what the simulator lacks, and every other check passes.
+TEST_F(Verdicts, ErrorsBeyondTheNoiseOfARecordingFail) {
   data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.02}}}};
-  EXPECT_EQ(finding_of(Check::fit).what, "");
-  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.04}}}};
-  EXPECT_LE(finding_of(Check::fit).severity, Severity::note);
+  data_.baseline.misfit = misfit_of(1.1, true, 1.15);
+  EXPECT_EQ(finding_of(Check::fit).severity, Severity::fine);
+  data_.baseline.misfit = misfit_of(1.9, true, 1.15);
+  EXPECT_EQ(finding_of(Check::fit).severity, Severity::wrong);
+  EXPECT_TRUE(says(finding_of(Check::fit).what, {"1.9 times the noise of [observation_noise]",
+                                                 "the noise is too small", "Look for friction"}));
+  data_.baseline.misfit->cause = "actions 2 samples later";
+  data_.baseline.misfit->times_of_cause = 1.01;
+  EXPECT_TRUE(has(finding_of(Check::fit).what, "With actions 2 samples later 1 times would be"));
+  data_.baseline.misfit = misfit_of(9.0, false, 4.0);
   EXPECT_TRUE(says(finding_of(Check::fit).what,
-                   {"no parameters explain the recording better than the floor's 0.04", "10 times",
-                    "what neighboring samples scatter by", "the simulator lacks something"}));
-  plan_.study.observation_noise.correlation_prior = {0.5, 1.0};
-  EXPECT_EQ(finding_of(Check::fit).what, "") << "it may be noise";
+                   {"9 times the scatter of neighboring samples", "inferred noise"}));
+}
+
+TEST_F(Verdicts, TheFirstCheckThatFailsSaysWhereTheSimulatorIsWrong) {
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.02}}}};
+  data_.baseline.misfit = misfit_of(2.0, true, 1.15);
+  data_.target.dt = 0.02;  // 200 steps
+  data_.baseline.misfit->left.topRows(1) << 8.0, 1.0;
+  EXPECT_TRUE(says(finding_of(Check::fit).what,
+                   {"wrong in the first 0.4 s of every rollout, in theta: error 8 times the noise",
+                    "1 times elsewhere"}));
+  data_.diagnoses.front().result.predictive->check.p_value = 1e-9;
+  data_.diagnoses.front().result.predictive->check.summary_p_value = Vector::Constant(1, 1e-9);
+  data_.diagnoses.front().result.predictive->names = {"mean"};
+  data_.diagnoses.front().result.predictive->observed = Vector::Ones(1);
+  EXPECT_TRUE(has(finding_of(Check::predictive).what, "in the first 0.4 s"));
+  EXPECT_FALSE(has(finding_of(Check::fit).what, "in the first 0.4 s"));
 }
 
 // Samples of the exact posterior of a linear model with white noise of N = 2 D + 10 values: the

@@ -151,6 +151,16 @@ class SpoiledMethod : public Verdicts {
         {"seed", [&] { add_seed(); }},
         {"other_method", [&] { add_method(); }},
         {"floor", [&] { add_point("floor", n.at(0)); }},
+        {"misfit",
+         [&] {
+           RecordingMisfit& misfit = data_.baseline.misfit.emplace();
+           misfit.times = n.at(0);
+           misfit.limit = n.at(1);
+           misfit.noise_is_given = n.at(1) < 4.0;
+           misfit.num_rollouts = 1;
+           misfit.left = misfit.of_noise = RowMatrix::Ones(10, 2);
+           if (n.size() > 2) misfit.left.row(Index(n[2])).setConstant(10.0);
+         }},
         {"truth", [&] { add_point("truth", n.at(0)); }},
         {"prior_rmse", [&] { data_.baseline.prior->metrics["rmse"].setConstant(n.at(0)); }},
         {"prior_crps",

@@ -1,0 +1,217 @@
+#include "analysis/misfit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/constants.h"
+#include "core/error.h"
+
+namespace npdr::analysis {
+namespace {
+
+RowMatrix sizes_by_part(const RowMatrix& errors, Index num_rollouts) {
+  const Index steps = errors.rows() / num_rollouts, parts = std::min(kMisfitParts, steps);
+  RowMatrix sizes(num_rollouts * parts, errors.cols());
+  for (Index h = 0; h < num_rollouts; ++h) {
+    for (Index s = 0; s < parts; ++s) {
+      const Index begin = s * steps / parts, end = (s + 1) * steps / parts;
+      const auto part = errors.middleRows(h * steps + begin, end - begin);
+      sizes.row(h * parts + s) = part.array().square().colwise().mean().sqrt();
+    }
+  }
+  return sizes;
+}
+
+// Errors over noise, squared; noise of nothing counts as a hundredth of the others'.
+RowMatrix excess_of(const Misfit& m) {
+  const double least = std::max(1e-4 * m.of_noise.array().square().mean(), 1e-300);
+  return m.left.array().square() / m.of_noise.array().square().max(least);
+}
+
+// Of squares in a block and outside of it.
+struct Means {
+  double inside = 0.0, outside = 0.0;
+  bool is_far() const {
+    constexpr double far = 3.0;
+    return inside > far * far * outside;
+  }
+};
+
+Means means_of(const Vector& values, Index begin, Index end) {
+  const double inside = values.segment(begin, end - begin).sum();
+  const auto rest = static_cast<double>(values.size() - (end - begin));
+  return {inside / static_cast<double>(end - begin), (values.sum() - inside) / std::max(1.0, rest)};
+}
+
+// The largest of several, if it is far above the others.
+std::optional<Index> outlier_of(const Vector& values) {
+  if (values.size() < 2) return std::nullopt;
+  Index largest = 0;
+  values.maxCoeff(&largest);
+  return means_of(values, largest, largest + 1).is_far() ? std::optional(largest) : std::nullopt;
+}
+
+Target moved(Target target, Index samples) {
+  for (Rollout& rollout : target.rollouts) {
+    const RowMatrix actions = rollout.actions;
+    for (Index t = 0; t < actions.rows(); ++t) {
+      rollout.actions.row(t) = actions.row(std::clamp<Index>(t - samples, 0, actions.rows() - 1));
+    }
+  }
+  return target;
+}
+
+Target with_earlier_rates(Target target, Index samples) {
+  for (Index c = 0; c < target.num_states(); ++c) {
+    if (!target.state_channels[static_cast<std::size_t>(c)].unit.ends_with("/s")) continue;
+    for (Rollout& rollout : target.rollouts) {
+      const Vector rates = rollout.states.col(c);
+      for (Index t = 0; t < rates.size(); ++t) {
+        rollout.states(t, c) = rates(std::clamp<Index>(t + samples, 0, rates.size() - 1));
+      }
+    }
+  }
+  return target;
+}
+
+struct ChangedRecording {
+  std::string change;
+  Target target;
+};
+
+std::vector<ChangedRecording> changed_recordings(const Target& recording) {
+  constexpr Index most_samples = 5;
+  std::vector<ChangedRecording> changed;
+  const bool has_rates = std::ranges::any_of(
+      recording.state_channels, [](const Channel& c) { return c.unit.ends_with("/s"); });
+  for (Index k = -most_samples; k <= most_samples; ++k) {
+    if (k == 0) continue;
+    const Index count = std::abs(k);
+    const std::string samples = fmt::format("{} sample{}", count, count == 1 ? "" : "s");
+    if (recording.num_actions() > 0) {
+      changed.push_back({fmt::format("actions {} {}", samples, k > 0 ? "later" : "earlier"),
+                         moved(recording, k)});
+    }
+    if (has_rates) {
+      changed.push_back({fmt::format("rates {} {}", samples, k > 0 ? "earlier" : "later"),
+                         with_earlier_rates(recording, k)});
+    }
+    Target target = recording;
+    target.dt *= 1.0 + 0.02 * static_cast<double>(k);
+    changed.push_back(
+        {fmt::format("a time step of {:.4g} s in place of {:.4g} s", target.dt, recording.dt),
+         target});
+  }
+  return changed;
+}
+
+}  // namespace
+
+double size_of(const RowMatrix& errors, Index num_rollouts) {
+  const Index steps = errors.rows() / num_rollouts;
+  double sum = 0.0;
+  for (Index h = 0; h < num_rollouts; ++h) {
+    sum += errors.middleRows(h * steps, steps).array().square().colwise().mean().sqrt().mean();
+  }
+  return sum / static_cast<double>(num_rollouts);
+}
+
+Misfit misfit(const RowMatrix& errors, const std::vector<RowMatrix>& draws, Index num_rollouts) {
+  if (num_rollouts < 1 || draws.size() < 2 || errors.rows() % num_rollouts != 0) {
+    throw ShapeError(fmt::format("misfit: {} rows of errors, {} rollouts, {} draws", errors.rows(),
+                                 num_rollouts, draws.size()));
+  }
+  Misfit found{num_rollouts, sizes_by_part(errors, num_rollouts), {}};
+  Vector sizes(std::ssize(draws));
+  RowMatrix squares = RowMatrix::Zero(found.left.rows(), found.left.cols());
+  for (Index b = 0; b < sizes.size(); ++b) {
+    const RowMatrix& draw = draws[static_cast<std::size_t>(b)];
+    if (draw.rows() != errors.rows() || draw.cols() != errors.cols()) {
+      throw ShapeError("misfit: draws of another shape than the errors");
+    }
+    squares += sizes_by_part(draw, num_rollouts).cwiseAbs2();
+    sizes(b) = size_of(draw, num_rollouts);
+  }
+  found.of_noise = (squares / static_cast<double>(sizes.size())).cwiseSqrt();
+  const double mean = sizes.mean();
+  found.times = size_of(errors, num_rollouts) / mean;
+  const double variance =
+      (sizes.array() - mean).square().sum() / static_cast<double>(sizes.size() - 1);
+  found.deviation = std::sqrt(variance) / mean;
+  return found;
+}
+
+std::optional<Concentration> concentration(const Misfit& m) {
+  const RowMatrix excess = excess_of(m);
+  const Index parts = excess.rows() / m.num_rollouts;
+  Vector of_parts = Vector::Zero(parts);
+  for (Index i = 0; i < excess.rows(); ++i) of_parts(i % parts) += excess.row(i).mean();
+  Concentration found{.begin = 0, .end = parts, .channel = {}, .rollout = {}};
+  bool is_shorter = false;
+  for (Index length = 1; length <= parts / 2 && !is_shorter; ++length) {
+    double most = 0.0;
+    for (Index begin = 0; begin + length <= parts; ++begin) {
+      const Means means = means_of(of_parts, begin, begin + length);
+      if (!means.is_far() || means.inside < most) continue;
+      most = means.inside;
+      is_shorter = true;
+      found.begin = begin;
+      found.end = begin + length;
+    }
+  }
+  RowMatrix there(m.num_rollouts, excess.cols());
+  for (Index h = 0; h < there.rows(); ++h) {
+    const auto its = excess.middleRows(h * parts + found.begin, found.end - found.begin);
+    there.row(h) = its.colwise().mean();
+  }
+  found.channel = outlier_of(there.colwise().mean().transpose());
+  found.rollout = outlier_of(found.channel ? Vector(there.col(*found.channel))
+                                           : Vector(there.rowwise().mean()));
+  if (!is_shorter && !found.channel && !found.rollout) return std::nullopt;
+  double inside = 0.0, num_inside = 0.0;
+  for (Index i = 0; i < excess.rows(); ++i) {
+    const bool in_part = i % parts >= found.begin && i % parts < found.end;
+    if (!in_part || i / parts != found.rollout.value_or(i / parts)) continue;
+    for (Index c = 0; c < excess.cols(); ++c) {
+      if (c != found.channel.value_or(c)) continue;
+      inside += excess(i, c);
+      num_inside += 1.0;
+    }
+  }
+  found.there = std::sqrt(inside / num_inside);
+  const double num_outside = static_cast<double>(excess.size()) - num_inside;
+  found.elsewhere = std::sqrt(std::max(0.0, excess.sum() - inside) / num_outside);
+  return found;
+}
+
+std::optional<Cause> likeliest_cause(const FitProblem& problem, const Target& recording,
+                                     const Vector& theta) {
+  constexpr std::size_t num_fitted = 3;
+  FitProblem in_parts = problem;
+  in_parts.segment_length = (recording.num_steps() + kFitParts - 1) / kFitParts;
+  if (problem.segment_length > 0) {
+    in_parts.segment_length = std::min(problem.segment_length, in_parts.segment_length);
+  }
+  const Fit start = fit(in_parts, recording, theta);
+  if (start.errors.size() == 0) return std::nullopt;
+  std::vector<std::pair<double, ChangedRecording>> changes;
+  for (ChangedRecording& changed : changed_recordings(recording)) {
+    const RowMatrix errors = errors_after_step(in_parts, changed.target, start);
+    const double size = size_of(errors, recording.num_rollouts());
+    if (errors.size() > 0) changes.emplace_back(size, std::move(changed));
+  }
+  std::ranges::sort(changes, {}, [](const auto& change) { return change.first; });
+  if (changes.size() > num_fitted) changes.erase(changes.begin() + num_fitted, changes.end());
+  std::optional<Cause> best;
+  for (const auto& [size, changed] : changes) {
+    const Fit found = fit(problem, changed.target, start.theta);
+    if (found.errors.size() == 0) continue;
+    const double left = size_of(found.errors, recording.num_rollouts());
+    if (!best || left < best->size) best = {changed.change, left};
+  }
+  return best;
+}
+
+}  // namespace npdr::analysis

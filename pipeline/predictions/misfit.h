@@ -1,0 +1,29 @@
+/// What the best parameters leave of a recording, beside its noise (analysis/misfit.h).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "pipeline/artefacts/evaluation_file.h"
+#include "pipeline/features/observation.h"
+#include "pipeline/plan/plan.h"
+
+namespace npdr::pipeline {
+
+/// Limits of Misfit::times, above which a simulator lacks something or the noise is another,
+/// besides five deviations. Right simulators reach 1.03 where the noise is given and white, 1.6
+/// where it is correlated (fits count errors as independent); 2.3 beside scatter that is smoothed
+/// over 3 samples (docs/methods.md, check `fit`).
+inline constexpr double kMostOfGivenNoise = 1.15;
+inline constexpr double kMostOfCorrelatedNoise = 2.0;
+inline constexpr double kMostOfScatter = 4.0;
+
+/// Fits `observation`, a recording, from `theta` (D) of the prior. Noise whose scale isn't given is
+/// what each channel scatters by (analysis/scatter.h), but no less than a thousandth of its largest
+/// magnitude. Above the limits it is told what change of the recording would explain the misfit,
+/// unless each call of the simulator starts a program. `log`: where a program's output goes. None
+/// where no fit converges, as of motion that forks early. Throws InputError.
+std::optional<RecordingMisfit> find_misfit(const Plan& plan, const Observation& observation,
+                                           const Vector& theta, const std::filesystem::path& log);
+
+}  // namespace npdr::pipeline

@@ -1,0 +1,107 @@
+#include "analysis/misfit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/random.h"
+
+namespace npdr::analysis {
+namespace {
+
+RowMatrix white(Index rows, Index columns, std::uint64_t number) {
+  Stream stream({1, "misfit_test", 0, number, 0});
+  RowMatrix errors(rows, columns);
+  for (double& error : errors.reshaped<Eigen::RowMajor>()) error = stream.normal();
+  return errors;
+}
+
+std::vector<RowMatrix> draws(Index rows, Index columns) {
+  std::vector<RowMatrix> drawn;
+  for (std::uint64_t b = 1; b <= 32; ++b) drawn.push_back(white(rows, columns, b));
+  return drawn;
+}
+
+// Of n white numbers the size has a standard error of 1 / sqrt(2 n); 32 draws tell it to 13 %.
+TEST(Misfit, IsTheErrorsSizeOverTheNoises) {
+  const Misfit found = misfit(2.0 * white(1000, 2, 0), draws(1000, 2), 2);
+  EXPECT_NEAR(found.times, 2.0, 0.1);
+  EXPECT_NEAR(found.deviation, 1.0 / std::sqrt(4000.0), 0.5 / std::sqrt(4000.0));
+  EXPECT_EQ(found.left.rows(), 20);
+}
+
+TEST(Misfit, LiesWhereErrorsAreFarLargerThanElsewhere) {
+  RowMatrix errors = white(1000, 2, 0);
+  EXPECT_FALSE(concentration(misfit(errors, draws(1000, 2), 2)));
+  errors.block(100, 1, 100, 1) *= 20.0;  // of 500 states of rollout 0
+  const auto found = concentration(misfit(errors, draws(1000, 2), 2));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->begin, 2);
+  EXPECT_EQ(found->end, 4);
+  EXPECT_EQ(found->channel, 1);
+  EXPECT_EQ(found->rollout, 0);
+  EXPECT_NEAR(found->there, 20.0, 3.0);
+  EXPECT_NEAR(found->elsewhere, 1.0, 0.2);
+}
+
+// x' = -theta x + u, whose states are recorded with noise, the first ones, too; the action is a
+// step that is recorded `late` samples before it acts.
+constexpr double kStep = 0.05, kNoise = 0.01;
+
+RowMatrix decay(const Target& target, Index segment_length, const RowMatrix& theta) {
+  const Index steps = target.num_steps();
+  RowMatrix states(theta.rows(), target.num_rollouts() * steps);
+  for (Index i = 0; i < theta.rows(); ++i) {
+    for (Index h = 0; h < target.num_rollouts(); ++h) {
+      const Rollout& rollout = target.rollouts[static_cast<std::size_t>(h)];
+      double x = 0.0;
+      for (Index t = 0; t < steps; ++t) {
+        if (t % segment_length == 0) x = rollout.states(t, 0);
+        x += target.dt * (rollout.actions(t, 0) - theta(i, 0) * x);
+        states(i, h * steps + t) = x;
+      }
+    }
+  }
+  return states;
+}
+
+Target recorded(Index late) {
+  Target target{kStep, {{"x", "m"}}, {{"u", "m/s"}}, {}, "test"};
+  for (Index h = 0; h < 2; ++h) {
+    RowMatrix actions(200, 1);
+    const auto pushed = [&](Index t) { return std::sin(0.3 * static_cast<double>((h + 1) * t)); };
+    for (Index t = 0; t < 200; ++t) actions(t, 0) = pushed(t);
+    target.rollouts.push_back({"", RowMatrix::Ones(201, 1), actions});
+    RowMatrix& states = target.rollouts.back().states;
+    for (Index t = 0; t < 200; ++t) {
+      const double applied = actions(std::max<Index>(0, t - late), 0);
+      states(t + 1, 0) = states(t, 0) + kStep * (applied - 1.5 * states(t, 0));
+    }
+    states += kNoise * white(201, 1, static_cast<std::uint64_t>(h));
+  }
+  return target;
+}
+
+TEST(RecordingFit, FindsParametersAndLeavesTheNoise) {
+  const Replay replay = decay;
+  const FitProblem problem{replay, Vector::Constant(1, 0.1), Vector::Constant(1, 5.0),
+                           RowMatrix::Constant(2, 1, kNoise)};
+  const Fit found = fit(problem, recorded(0), Vector::Constant(1, 3.0));
+  EXPECT_NEAR(found.theta(0), 1.5, 0.05);
+  EXPECT_NEAR(size_of(found.errors, 2), 1.0, 0.15);
+  EXPECT_EQ(found.segment_length, 200);
+}
+
+TEST(RecordingFit, SaysThatActionsActLater) {
+  const Replay replay = decay;
+  const FitProblem problem{replay, Vector::Constant(1, 0.1), Vector::Constant(1, 5.0),
+                           RowMatrix::Constant(2, 1, kNoise)};
+  EXPECT_GT(size_of(fit(problem, recorded(2), Vector::Constant(1, 1.5)).errors, 2), 1.3);
+  const auto cause = likeliest_cause(problem, recorded(2), Vector::Constant(1, 1.5));
+  ASSERT_TRUE(cause);
+  EXPECT_EQ(cause->change, "actions 2 samples later");
+  EXPECT_NEAR(cause->size, 1.0, 0.15);
+}
+
+}  // namespace
+}  // namespace npdr::analysis
