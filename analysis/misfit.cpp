@@ -199,8 +199,9 @@ std::optional<Cause> likeliest_cause(const FitProblem& problem, const Target& re
   std::vector<std::pair<double, ChangedRecording>> changes;
   for (ChangedRecording& changed : changed_recordings(recording)) {
     const RowMatrix errors = errors_after_step(in_parts, changed.target, start);
+    if (errors.size() == 0) continue;  // the simulator refuses it
     const double size = size_of(errors, recording.num_rollouts());
-    if (errors.size() > 0) changes.emplace_back(size, std::move(changed));
+    if (std::isfinite(size)) changes.emplace_back(size, std::move(changed));
   }
   std::ranges::sort(changes, {}, [](const auto& change) { return change.first; });
   if (changes.size() > num_fitted) changes.erase(changes.begin() + num_fitted, changes.end());
