@@ -190,7 +190,7 @@ std::optional<Cause> likeliest_cause(const FitProblem& problem, const Target& re
                                      const Vector& theta) {
   constexpr std::size_t num_fitted = 3;
   FitProblem in_parts = problem;
-  in_parts.segment_length = (recording.num_steps() + kFitParts - 1) / kFitParts;
+  in_parts.segment_length = (recording.num_steps() + problem.parts - 1) / problem.parts;
   if (problem.segment_length > 0) {
     in_parts.segment_length = std::min(problem.segment_length, in_parts.segment_length);
   }

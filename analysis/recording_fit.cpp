@@ -230,7 +230,7 @@ Fit fit(const FitProblem& problem, const Target& recording, const Vector& theta)
   const Index longest =
       problem.segment_length > 0 ? std::min(problem.segment_length, steps) : steps;
   Fit found{{}, theta, {}};
-  for (Index length = (steps + kFitParts - 1) / kFitParts;; length *= 2) {
+  for (Index length = (steps + problem.parts - 1) / problem.parts;; length *= 2) {
     length = std::min(length, longest);
     const Fitter fitter(problem, recording, length);
     Fit next = fitter.begin(found);

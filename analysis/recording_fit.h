@@ -20,7 +20,7 @@ namespace npdr::analysis {
 using Replay =
     std::function<RowMatrix(const Target& target, Index segment_length, const RowMatrix& theta)>;
 
-/// Segments of a rollout that a fit begins with.
+/// Segments of a rollout that a fit begins with, of a simulator that can begin anywhere.
 inline constexpr Index kFitParts = 16;
 
 /// How recordings are fitted. References must outlive it.
@@ -30,6 +30,7 @@ struct FitProblem {
   RowMatrix sigma;           ///< (H, C) standard deviation of the noise, > 0
   Index store_every = 1;     ///< as of `replay`
   Index segment_length = 0;  ///< [steps] the longest; 0: the whole rollout
+  Index parts = kFitParts;   ///< 1: `replay` can't cut rollouts
 };
 
 struct Fit {

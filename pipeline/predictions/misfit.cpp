@@ -66,6 +66,13 @@ double limit_of(const Study& study, bool is_given) {
   return study.observation_noise.is_correlated() ? kMostOfCorrelatedNoise : kMostOfGivenNoise;
 }
 
+// Segments that a fit begins with. "minigolf" goes on from where it is.
+Index parts_of(const Plan& plan) {
+  if (!plan.study.source().is_built_in) return analysis::kFitParts;
+  const auto unused = sim::unused_settings(plan.study.simulator.name);
+  return std::ranges::count(unused, "segment_length") > 0 ? 1 : analysis::kFitParts;
+}
+
 }  // namespace
 
 std::optional<RecordingMisfit> find_misfit(const Plan& plan, const Observation& observation,
@@ -92,8 +99,13 @@ std::optional<RecordingMisfit> find_misfit(const Plan& plan, const Observation& 
   };
   const RecordedNoise noise = noise_of(observation);
   const SearchBox box = search_box(plan.study.prior, plan.source->info());
-  const analysis::FitProblem problem{
-      replay, box.lower, box.upper, noise.sigma, simulator.store_every, simulator.segment_length};
+  const analysis::FitProblem problem{replay,
+                                     box.lower,
+                                     box.upper,
+                                     noise.sigma,
+                                     simulator.store_every,
+                                     simulator.segment_length,
+                                     parts_of(plan)};
   const analysis::Fit fit = analysis::fit(problem, recording, theta);
   if (fit.errors.size() == 0) return std::nullopt;
   RecordingMisfit found{analysis::misfit(fit.errors, draw_errors(observation.noise(), noise),
