@@ -1,11 +1,13 @@
 #include "pipeline/predictions/misfit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "analysis/scatter.h"
 #include "core/constants.h"
 #include "core/error.h"
+#include "core/stop_request.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/sources/source.h"
 
@@ -66,7 +68,26 @@ double limit_of(const Study& study, bool is_given) {
   return study.observation_noise.is_correlated() ? kMostOfCorrelatedNoise : kMostOfGivenNoise;
 }
 
-// Segments that a fit begins with. "minigolf" goes on from where it is.
+// Whether rows of the same parameters, which have seeds of their own, differ by more than a
+// thousandth of the noise. Then slopes aren't those of parameters, and what a simulation draws
+// counts as its error.
+bool draws_at_random(const analysis::Replay& replay, const Observation& observation,
+                     const Vector& theta, const RecordedNoise& noise) {
+  constexpr double least = 1e-3;
+  const Target& target = observation.target();
+  const Index segment = observation.study().simulator.segment_length;
+  const RowMatrix twice =
+      replay(target, segment > 0 ? segment : target.num_steps(), theta.transpose().replicate(2, 1));
+  const Index channels = target.num_states();
+  const Index per_rollout = twice.cols() / target.num_rollouts();
+  for (Index j = 0; j < twice.cols(); ++j) {
+    const double difference = std::abs(twice(0, j) - twice(1, j));
+    if (difference > least * noise.sigma(j / per_rollout, j % channels)) return true;
+  }
+  return false;
+}
+
+// Segments that a fit begins with; 1 where the simulator has none.
 Index parts_of(const Plan& plan) {
   if (!plan.study.source().is_built_in) return analysis::kFitParts;
   const auto unused = sim::unused_settings(plan.study.simulator.name);
@@ -86,18 +107,24 @@ std::optional<RecordingMisfit> find_misfit(const Plan& plan, const Observation& 
     config.segment_length = segment_length < target.num_steps() ? segment_length : 0;
     const Index steps = target.num_steps() / config.store_every;
     const Index size = target.num_rollouts() * steps * target.num_states();
-    // A simulator may refuse another time step.
+    stop_here_if_requested();
     try {
       const sim::Trajectories simulated =
           plan.source->open({config, target, log})
               ->simulate(plan.source->parameters().complete(rows), {0, "misfit", 0, 0, 0});
       return Eigen::Map<const RowMatrixF>(simulated.values.data(), rows.rows(), size)
           .cast<double>();
-    } catch (const InputError&) {
+    } catch (const Checkpointed&) {
+      throw;
+    } catch (const Error&) {  // as of another time step, or segments, that a program refuses
       return RowMatrix::Constant(rows.rows(), size, kNaN);
     }
   };
   const RecordedNoise noise = noise_of(observation);
+  if (!noise.is_given && plan.study.observation_noise.is_correlated()) return std::nullopt;
+  if (plan.study.source().takes_seeds && draws_at_random(replay, observation, theta, noise)) {
+    return std::nullopt;
+  }
   const SearchBox box = search_box(plan.study.prior, plan.source->info());
   const analysis::FitProblem problem{replay,
                                      box.lower,

@@ -22,7 +22,9 @@ inline constexpr double kMostOfScatter = 4.0;
 /// what each channel scatters by (analysis/scatter.h), but no less than a thousandth of its largest
 /// magnitude. Above the limits it is told what change of the recording would explain the misfit,
 /// unless each call of the simulator starts a program. `log`: where a program's output goes. None
-/// where no fit converges, as of motion that forks early. Throws InputError.
+/// of a simulator that draws at random, of noise that lasts for many samples and whose scale isn't
+/// given, which neighboring samples don't tell, and where nothing can be simulated. Throws
+/// Checkpointed when a stop was requested.
 std::optional<RecordingMisfit> find_misfit(const Plan& plan, const Observation& observation,
                                            const Vector& theta, const std::filesystem::path& log);
 
