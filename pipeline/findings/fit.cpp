@@ -27,9 +27,7 @@ struct Yardstick {
   std::string words;
 
   std::string text_of(double rmse) const {
-    const double times = rmse / unit;
-    return times < 10.0 ? fmt::format("{:.2g} {}", times, words)
-                        : fmt::format("{:.0f} {}", times, words);
+    return short_number(rmse / unit) + " " + words;
   }
 };
 
@@ -160,7 +158,7 @@ Finding judge<Check::fit>(const MethodResults& m) {
                     of_prior, worst, advice));
   }
   if (m.data.baseline.misfit && m.data.baseline.misfit->is_beyond()) {
-    return fails(fmt::format("{:.2g} times the noise is LEFT", m.data.baseline.misfit->times),
+    return fails(short_number(m.data.baseline.misfit->times) + " times the noise is LEFT",
                  words_of_misfit(m.data));
   }
   std::vector<std::string> remarks = {overstated_noise(m.data, of_floor),

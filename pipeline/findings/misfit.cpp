@@ -9,7 +9,7 @@
 namespace npdr::pipeline {
 namespace {
 
-// "in the first 0.6 s", "from 1.2 s on", "between 1.2 and 1.8 s"; "": all the time.
+// " in the first 0.6 s", " from 1.2 s on", " between 1.2 and 1.8 s"; "": all the time.
 std::string time_of(const analysis::Concentration& worst, const RecordingMisfit& misfit,
                     const Target& target) {
   const Index parts = misfit.left.rows() / misfit.num_rollouts;
@@ -18,27 +18,32 @@ std::string time_of(const analysis::Concentration& worst, const RecordingMisfit&
   const double begin = part * static_cast<double>(worst.begin);
   const double end = part * static_cast<double>(worst.end);
   if (worst.begin == 0 && worst.end == parts) return "";
-  if (worst.begin == 0) return fmt::format(" in the first {:.2g} s", end);
-  if (worst.end == parts) return fmt::format(" from {:.2g} s on", begin);
-  return fmt::format(" between {:.2g} and {:.2g} s", begin, end);
+  if (worst.begin == 0) return fmt::format(" in the first {} s", short_number(end));
+  if (worst.end == parts) return fmt::format(" from {} s on", short_number(begin));
+  return fmt::format(" between {} and {} s", short_number(begin), short_number(end));
 }
 
 }  // namespace
 
+std::string short_number(double value) {
+  return value < 10.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
+}
+
 std::string words_of_misfit(const ReportData& data) {
   const RecordingMisfit& m = *data.baseline.misfit;
   std::string words = fmt::format(
-      "the best parameters leave {:.2g} times the {} ({:.2g} at most are fine): your simulator "
+      "the best parameters leave {} times the {} (fine up to {:.3g}): your simulator "
       "lacks an effect, or {}",
-      m.times, m.noise_is_given ? "noise of [observation_noise]" : "scatter of neighboring samples",
-      m.limit,
+      m.times < 10.0 ? fmt::format("{:.3g}", m.times) : short_number(m.times),
+      m.noise_is_given ? "noise of [observation_noise]" : "scatter of neighboring samples", m.limit,
       m.noise_is_given ? "the noise is too small"
                        : "errors last for many samples, and an inferred noise takes either up");
   // What is about as good as a right simulator, or takes away most of the rest.
   constexpr double most_of_rest = 0.25;
   if (!m.cause.empty() &&
       m.times_of_cause < std::max(kMostOfGivenNoise, 1.0 + most_of_rest * (m.times - 1.0))) {
-    return fmt::format("{}. With {} {:.2g} times would be left", words, m.cause, m.times_of_cause);
+    return fmt::format("{}. With {} {} times would be left", words, m.cause,
+                       short_number(m.times_of_cause));
   }
   return words + ". Look for friction, a delay or a wrong clock";
 }
@@ -50,12 +55,13 @@ std::string where_wrong(const ReportData& data) {
   if (!worst) return "";
   const auto at = [](const auto& items, Index i) { return items[static_cast<std::size_t>(i)]; };
   std::string where = time_of(*worst, *misfit, data.target);
-  where += worst->rollout ? " of rollout " + at(data.target.rollouts, *worst->rollout).name
-                          : " of every rollout";
+  where += where.empty() ? " in " : " of ";
+  where += worst->rollout ? "rollout " + at(data.target.rollouts, *worst->rollout).name
+                          : "every rollout";
   if (worst->channel) where += ", in " + at(data.target.state_channels, *worst->channel).label;
   return fmt::format(
-      ". Your simulator is wrong{}: error {:.2g} times the noise there, {:.2g} times elsewhere",
-      where, worst->there, worst->elsewhere);
+      ". Your simulator is wrong{}: its errors are {} times the noise there, {} times elsewhere",
+      where, short_number(worst->there), short_number(worst->elsewhere));
 }
 
 }  // namespace npdr::pipeline

@@ -81,6 +81,9 @@ Finding judge_p_value(const MethodResults& m, const PValueProbe& probe);
 /// What would let a method learn more of its observation.
 std::string advice_to_learn(const MethodConfig& method);
 
+/// "1.9", "120".
+std::string short_number(double value);
+
 /// What the best parameters leave of a recording that they don't explain: Baseline::misfit is there
 /// and beyond its limit.
 std::string words_of_misfit(const ReportData& data);

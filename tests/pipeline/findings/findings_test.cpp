@@ -170,7 +170,7 @@ TEST_F(Verdicts, TheFirstCheckThatFailsSaysWhereTheSimulatorIsWrong) {
   data_.target.dt = 0.02;  // 200 steps
   data_.baseline.misfit->left.topRows(1) << 8.0, 1.0;
   EXPECT_TRUE(says(finding_of(Check::fit).what,
-                   {"wrong in the first 0.4 s of every rollout, in theta: error 8 times the noise",
+                   {"wrong in the first 0.4 s of every rollout, in theta: its errors are 8 times",
                     "1 times elsewhere"}));
   data_.diagnoses.front().result.predictive->check.p_value = 1e-9;
   data_.diagnoses.front().result.predictive->check.summary_p_value = Vector::Constant(1, 1e-9);
