@@ -54,7 +54,7 @@ struct Cause {
 /// Of actions moved by up to 5 samples either way, rates (channels per second) likewise, and time
 /// steps longer or shorter by 2, 4, ..., 10 %, the change whose fit leaves the smallest errors: in
 /// segments of a sixteenth of a rollout, by one Gauss-Newton step; the best three of these are
-/// fitted. None where no fit converges.
+/// fitted. None where no fit can be simulated.
 std::optional<Cause> likeliest_cause(const FitProblem& problem, const Target& recording,
                                      const Vector& theta);
 

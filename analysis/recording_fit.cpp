@@ -65,7 +65,7 @@ class Fitter {
     for (int i = 0; i < num_steps && fit.errors.size() > 0; ++i) {
       const Step step = step_from(fit);
       const double before = loss(fit);
-      if (step.errors.squaredNorm() > 0.98 * fit.errors.squaredNorm()) return true;
+      if (step.errors.squaredNorm() >= 0.98 * fit.errors.squaredNorm()) return true;
       bool helps = false;
       for (int k = 0; k < num_halvings && !helps; ++k) {
         const double share = std::pow(0.5, k);

@@ -43,7 +43,8 @@ struct Fit {
 /// Gauss and Newton's steps (Nocedal and Wright 2006, ch. 10.3), each halved until it helps, from
 /// `theta` and recorded first states. Motion that forks can't be fitted at once (Bock 1983): at
 /// first segments are a sixteenth of a rollout, then twice as long, as long as the fits converge: a
-/// further step would take away less than a tenth of the errors. The last of these counts.
+/// further step would take away less than 3 % of the errors' root mean square. The last of these
+/// counts; where none converges, the first that can be simulated.
 Fit fit(const FitProblem& problem, const Target& recording, const Vector& theta);
 
 /// The errors that a step from a fit of another recording would leave were simulations linear;
