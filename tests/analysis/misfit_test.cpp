@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/constants.h"
 #include "core/random.h"
 
 namespace npdr::analysis {
@@ -101,6 +102,23 @@ TEST(RecordingFit, SaysThatActionsActLater) {
   ASSERT_TRUE(cause);
   EXPECT_EQ(cause->change, "actions 2 samples later");
   EXPECT_NEAR(cause->size, 1.0, 0.15);
+}
+
+TEST(RecordingFit, LeavesOutChangesThatASimulatorRefuses) {
+  const Replay replay = [](const Target& target, Index segment_length,
+                           const RowMatrix& theta) -> RowMatrix {
+    RowMatrix states = decay(target, segment_length, theta);
+    if (target.dt != kStep || segment_length < target.num_steps()) states.setConstant(kNaN);
+    return states;
+  };
+  const FitProblem problem{.replay = replay,
+                           .lower = Vector::Constant(1, 0.1),
+                           .upper = Vector::Constant(1, 5.0),
+                           .sigma = RowMatrix::Constant(2, 1, kNoise),
+                           .parts = 1};
+  const auto cause = likeliest_cause(problem, recorded(2), Vector::Constant(1, 1.5));
+  ASSERT_TRUE(cause);
+  EXPECT_EQ(cause->change, "actions 2 samples later");
 }
 
 }  // namespace

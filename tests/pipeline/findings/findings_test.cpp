@@ -172,6 +172,12 @@ TEST_F(Verdicts, TheFirstCheckThatFailsSaysWhereTheSimulatorIsWrong) {
   EXPECT_TRUE(says(finding_of(Check::fit).what,
                    {"wrong in the first 0.4 s of every rollout, in theta: its errors are 8 times",
                     "1 times elsewhere"}));
+  const RecordingMisfit in_a_part = *data_.baseline.misfit;
+  data_.baseline.misfit->left.col(0).setConstant(120.0);
+  EXPECT_TRUE(says(finding_of(Check::fit).what,
+                   {"Your simulator is wrong in every rollout, in theta: its errors are 120 times",
+                    "1 times elsewhere"}));
+  data_.baseline.misfit = in_a_part;
   data_.diagnoses.front().result.predictive->check.p_value = 1e-9;
   data_.diagnoses.front().result.predictive->check.summary_p_value = Vector::Constant(1, 1e-9);
   data_.diagnoses.front().result.predictive->names = {"mean"};
