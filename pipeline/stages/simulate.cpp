@@ -67,6 +67,9 @@ Findings find_in_all(const Simulation& simulation, const std::vector<Shard>& sha
     const Identity identity = shard_identity(simulation.node.identity, shard.rows);
     const h5::File file = open_artefact({shard.path, identity.key()}, kSimulationShardSchema);
     const h5::Dataset values = simulated_values(file);
+    if (!source.gives_motion) {
+      values.require_shape({shard.rows.size(), std::ssize(rows.features)});
+    }
     const RowMatrix theta = file.read_matrix<double>("theta", shard.rows.size(), -1);
     const std::vector<Index> columns = judged_columns(simulation, values.row_size());
     const Index most = std::max<Index>(1, kNumbersRead / std::max<Index>(1, values.row_size()));
