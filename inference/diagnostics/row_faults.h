@@ -50,9 +50,9 @@ struct RowCopies {
 };
 
 /// Exact copies, none where x of the same theta differs mostly and agrees by chance (counts). Near
-/// ones are pairs whose theta are nearer than 1e-3 (1e-4 of a single parameter) of the distance to
-/// the fifth neighbor, and whose x agree to 1e-4 of the quartiles' distance in every column; none
-/// where so many may lie together by chance (p > 1e-4).
+/// ones are pairs whose theta are nearer than 1e-3 (1e-4 where a single parameter varies) of the
+/// distance to the fifth neighbor, and whose x agree to 1e-4 of the quartiles' distance in every
+/// column; none where so many may lie together by chance (p > 1e-4).
 RowCopies find_copies(const RowMatrix& theta, const RowMatrixF& x);
 
 /// Numbers in a column that probably stand for a failure.
