@@ -242,7 +242,7 @@ std::set<std::pair<Index, Index>> near_pairs(const FiniteRows& rows,
   for (Index i = 0; i < rows.x.rows(); ++i) {
     if (column.is_inside(rows.x(i, c))) order.push_back(i);
   }
-  std::ranges::sort(order, {}, [&](Index i) { return rows.x(i, c); });
+  std::ranges::stable_sort(order, {}, [&](Index i) { return rows.x(i, c); });
   std::set<std::pair<Index, Index>> pairs;
   for (std::size_t k = 0; k < order.size(); ++k) {
     for (std::size_t l = k + 1; l < std::min(order.size(), k + 1 + next); ++l) {
@@ -254,9 +254,18 @@ std::set<std::pair<Index, Index>> near_pairs(const FiniteRows& rows,
   return pairs;
 }
 
-// theta in deviations of each parameter.
+std::vector<Index> varying_parameters_of(const RowMatrix& theta) {
+  std::vector<Index> varying;
+  for (Index d = 0; d < theta.cols(); ++d) {
+    if (theta.col(d).maxCoeff() > theta.col(d).minCoeff()) varying.push_back(d);
+  }
+  return varying;
+}
+
+// Parameters that vary, each in its deviations: others are no dimension, in which rows lie apart.
 RowMatrix standardized(const RowMatrix& theta) {
-  RowMatrix z = theta.rowwise() - theta.colwise().mean().eval();
+  const RowMatrix varying = theta(Eigen::all, varying_parameters_of(theta));
+  RowMatrix z = varying.rowwise() - varying.colwise().mean().eval();
   for (Index d = 0; d < z.cols(); ++d) {
     const double deviation = std::sqrt(z.col(d).array().square().mean());
     if (deviation > 0.0) z.col(d) /= deviation;
@@ -265,7 +274,7 @@ RowMatrix standardized(const RowMatrix& theta) {
 }
 
 Index count_near(const FiniteRows& rows, const std::vector<Column>& columns) {
-  constexpr Index fewest_rows = 100, most_compared = 500, num_neighbors = 6;  // and itself
+  constexpr Index fewest_rows = 100, most_compared = 500, num_neighbors = 6;  // its copy, too
   constexpr double near = 1e-3, near_of_one = 1e-4, peaked = 4.0;
   if (rows.x.rows() < fewest_rows) return 0;
   const auto inside = std::ranges::max_element(columns, {}, [](const Column& column) {
@@ -298,10 +307,7 @@ Index count_same_rows(const RowMatrix& theta, const RowMatrixF& x) {
   const FiniteRows rows(theta, x);
   const std::vector<Rows> groups = groups_of(rows.x);
   if (groups.empty() || is_design_of(rows.theta, count_different_rows(rows.theta))) return 0;
-  std::vector<Index> varying;
-  for (Index d = 0; d < rows.theta.cols(); ++d) {
-    if (rows.theta.col(d).maxCoeff() > rows.theta.col(d).minCoeff()) varying.push_back(d);
-  }
+  const std::vector<Index> varying = varying_parameters_of(rows.theta);
   const auto num_columns = static_cast<double>(x.cols());
   Index most = 0;
   for (Index c = 0; c < x.cols(); ++c) {

@@ -32,7 +32,8 @@ struct RowStretch {
 /// of each column. Their ranks are summed over windows of 8, 16, ... n/2 rows at half overlap; a
 /// sum of ranks of exchangeable rows has a known mean and variance (Wilcoxon 1945). Consecutive
 /// rows of the same theta are one. None where theta itself has an order (neighbors in the file
-/// correlate, or windows of u deviate, p < 0.01): residuals may then depend on theta.
+/// correlate, or windows of u deviate, p < 0.01): residuals may then depend on theta. Nor where the
+/// numbers of rows of the same theta have one: means of more rows scatter less.
 std::optional<RowStretch> find_stretch(const RowMatrix& theta, const RowMatrixF& x);
 
 /// How many rows have an x that another row has, too, to the last bit, though all their parameters
@@ -50,9 +51,9 @@ struct RowCopies {
 };
 
 /// Exact copies, none where x of the same theta differs mostly and agrees by chance (counts). Near
-/// ones are pairs whose theta are nearer than 1e-3 (1e-4 of a single parameter) of the distance to
-/// the fifth neighbor, and whose x agree to 1e-4 of the quartiles' distance in every column; none
-/// where so many may lie together by chance (p > 1e-4).
+/// ones are pairs whose theta are nearer than 1e-3 (1e-4 where a single parameter varies) of the
+/// distance to the fifth neighbor, and whose x agree to 1e-4 of the quartiles' distance in every
+/// column; none where so many may lie together by chance (p > 1e-4).
 RowCopies find_copies(const RowMatrix& theta, const RowMatrixF& x);
 
 /// Numbers in a column that probably stand for a failure.

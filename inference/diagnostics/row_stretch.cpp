@@ -96,6 +96,16 @@ RowMatrix means_of_runs(const std::vector<Index>& begins, const RowMatrix& value
   return means;
 }
 
+// How many rows each is of.
+RowMatrix counts_of_runs(const std::vector<Index>& begins) {
+  RowMatrix counts(std::ssize(begins) - 1, 1);
+  for (Index i = 0; i < counts.rows(); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    counts(i, 0) = static_cast<double>(begins[at + 1] - begins[at]);
+  }
+  return counts;
+}
+
 std::vector<Index> begins_of_runs(const RowMatrix& theta) {
   std::vector<Index> begins = {0};
   for (Index i = 1; i < theta.rows(); ++i) {
@@ -217,6 +227,9 @@ std::optional<RowStretch> find_stretch(const RowMatrix& theta, const RowMatrixF&
   const RowMatrix y = scores_of(x(finite, Eigen::all));
   const bool has_enough = (1 + u.cols()) * kRowsPerCoefficient <= u.rows();
   if (y.cols() == 0 || !has_enough || has_order(means_of_runs(begins, u))) return std::nullopt;
+  // Means of more rows scatter less.
+  const RowMatrix counts = counts_of_runs(begins);
+  if (counts.maxCoeff() > counts.minCoeff() && has_order(counts)) return std::nullopt;
   const RowMatrix statistics = means_of_runs(begins, statistics_of(u, y));
   Scan found;
   for (Index c = 0; c < statistics.cols(); ++c) {

@@ -78,7 +78,7 @@ ImportanceSample ImportanceSampler::sample() const {
       .log_evidence = all.log_value,
       .log_evidence_error = all.error,
       .half_difference = (even.log_value - odd.log_value) / std::hypot(even.error, odd.error),
-      .searched = state_.searched.value_or(SearchCounts{})};
+      .searched = state_.num_searches == 0 ? SearchCounts{} : state_.searched};
   return sample;
 }
 

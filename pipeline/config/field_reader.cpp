@@ -56,7 +56,8 @@ bool has_only_tables(const FieldTree& json) {
   return json.is_object() && !json.empty() && std::ranges::all_of(json, &FieldTree::is_object);
 }
 
-// What is wrong with an entry of the prior: an unknown name, as long as that is a name.
+// What is wrong with an entry of the prior: an unknown name, as long as that is a name, or unknown
+// physical ends.
 void reject_marginal(const FieldSlot& slot) {
   std::vector<std::string> known = names_of<Marginal::Kind>();
   known.emplace_back(kPhysical);
@@ -66,6 +67,12 @@ void reject_marginal(const FieldSlot& slot) {
       return slot.reading.fail(
           slot.path, slot.reading.source(slot.path + "." + key).key,
           display(slot.path) + ": " + unknown_name("key", shortened(key), known));
+    }
+    const auto ends = slot.json.find(kPhysical);
+    const auto allowed = one_of<inference::PhysicalEnds>();
+    if (ends != slot.json.end() &&
+        !(ends->is_string() && allowed.allows(ends->get<std::string>()))) {
+      return reject(member_slot(slot, kPhysical, *ends), allowed.words, allowed.names);
     }
   }
   reject(slot, marginal_words());

@@ -226,13 +226,15 @@ bool may_leak(const MethodConfig& method) {
 }
 
 // Whether nothing lies beyond an end: the study says so, or the simulator's own limit is as near as
-// the test tells values apart. 0 is no end of a parameter over decades.
+// the test tells values apart. 0 is no end of a parameter over decades, and limits of an angle are
+// none: beyond lies its other end.
 bool is_physical(const PressedBound& bound, const inference::Marginal& marginal,
                  const sim::Parameter& parameter) {
   using enum inference::PhysicalEnds;
   if (marginal.physical == both || marginal.physical == (bound.is_lower ? lower : upper)) {
     return true;
   }
+  if (parameter.period > 0.0) return false;
   const auto place = [&](double value) { return marginal.is_log() ? std::log(value) : value; };
   const double limit = bound.is_lower ? parameter.lower : parameter.upper;
   return std::abs(place(bound.value) - place(limit)) <=

@@ -114,9 +114,8 @@ CorrelatedPair most_correlated(const RowMatrix& correlations);
 /// - Its least or largest value lies within 1e-6 of an end of F, where the density of a bounded
 ///   prior is cut, as that of a grid or of rounded draws does, or is more frequent than others, as
 ///   that of clipped draws is: told from a fiftieth of the rows on, grave above 0.075.
-/// - It is distributed in another way than the prior, by inference::p_value_of_levels(): grave
-/// where
-///   inference::distance_of_levels() is above 0.05.
+/// - It is distributed in another way than the prior, by inference::p_value_of_levels(). Grave
+///   where inference::distance_of_levels() is above 0.05.
 /// - 0.15 of the rows or more have one value, which is twice as many as others have, or it has less
 ///   than five.
 /// And the pair whose F are correlated most surely: grave above 0.2.
@@ -131,8 +130,7 @@ Findings find_in_theta(const RowMatrix& theta, const inference::Prior& prior);
 /// - At theta of 10,000 of them at most, by find_in_theta().
 /// - At 20,000 in the file's order, as find_apart() does of any rows (sources/first_rows.h).
 /// - At the same for rows that are there twice, or nearly: they count several times, and judge as
-/// validation
-///   what they have taught. Grave where they are a twentieth, and ten times as many as are
+///   validation what they have taught. Grave where they are a twentieth, and ten times as many as are
 ///   expected of rows that were drawn by themselves, given how many values each parameter has. None
 ///   where x of the same theta is mostly another, so that some of it, such as counts, may agree by
 ///   chance.

@@ -108,7 +108,7 @@ std::string words_of(const CheckSummary& summary) {
     text += fmt::format("{} of {} FAIL: {}", summary.failed.size(),
                         counted(summary.num_checks, "check"), join(summary.failed));
   } else if (summary.num_checks == 0) {
-    text += "no check is of the result";
+    text += "no check looks at the result";
   } else if (summary.unknown.empty()) {
     text += summary.num_checks == 1 ? "its only check passes"
                                     : fmt::format("all {} checks pass", summary.num_checks);

@@ -75,7 +75,8 @@ Findings find_same_in(const RowsTogether& rows) {
   return {{.severity = is_grave ? Severity::wrong : Severity::suspicious,
            .what = fmt::format(
                "{} of {} rows have the same x as others, to the last bit, though their parameters "
-               "differ: if that stands for a failure, write NaN, or else leave these rows out",
+               "differ: if that stands for a failure, write NaN; if x was copied, leave these rows "
+               "out; ignore this if nothing happens there, whatever the parameters",
                count, rows.x.rows())}};
 }
 

@@ -67,6 +67,9 @@ Findings find_in_all(const Simulation& simulation, const std::vector<Shard>& sha
     const Identity identity = shard_identity(simulation.node.identity, shard.rows);
     const h5::File file = open_artefact({shard.path, identity.key()}, kSimulationShardSchema);
     const h5::Dataset values = simulated_values(file);
+    if (!source.gives_motion) {
+      values.require_shape({shard.rows.size(), std::ssize(rows.features)});
+    }
     const RowMatrix theta = file.read_matrix<double>("theta", shard.rows.size(), -1);
     const std::vector<Index> columns = judged_columns(simulation, values.row_size());
     const Index most = std::max<Index>(1, kNumbersRead / std::max<Index>(1, values.row_size()));
@@ -117,7 +120,7 @@ void require_a_good_row(const Simulation& simulation, const GivenRows& rows) {
 
 // Tells people at once, and the report for good, what is probably wrong with rows. It has
 // what all rows together say.
-void check_block(h5::File& file, const Simulation& simulation, const GivenRows& given) {
+std::vector<std::string> check_block(const Simulation& simulation, const GivenRows& given) {
   require_a_good_row(simulation, given);
   const FirstRows rows{simulation.plan.study, simulation.target,
                        simulation.plan.source->info().state_channels, *simulation.simulator, given};
@@ -127,30 +130,32 @@ void check_block(h5::File& file, const Simulation& simulation, const GivenRows& 
   report_findings(simulation.node.label(), found);
   std::vector<std::string> words;
   for (const Finding& finding : found) words.push_back(finding.what);
-  write_warnings(file, words);
+  return words;
 }
 
 // A shard may be smaller than what is looked at.
-void check_first_rows(h5::File& file, const Simulation& simulation, const GivenRows& given) {
+std::vector<std::string> check_first_rows(const Simulation& simulation, const GivenRows& given) {
   const Index count = std::min(kCheckedRows, num_rows(simulation.plan, simulation.node));
-  if (given.complete.rows() >= count) return check_block(file, simulation, given);
+  if (given.complete.rows() >= count) return check_block(simulation, given);
   const RowMatrix complete =
       simulation.plan.source->parameters().complete(read_proposal(simulation.proposal, {0, count}));
   const sim::Trajectories result = simulation.simulator->simulate(complete, given.first);
-  check_block(file, simulation, {complete, result, given.first});
+  return check_block(simulation, {complete, result, given.first});
 }
 
 // The rows after those, as many as a call takes: programs may treat a full one in another way.
-void check_second_block(h5::File& file, const Simulation& simulation, const GivenRows& given) {
+void check_second_block(const Simulation& simulation, const GivenRows& given,
+                        std::vector<std::string>& warnings) {
   const Findings found = check_late_rows(*simulation.simulator, given);
-  const std::vector<std::string> before = warnings_of(file);
-  if (found.empty() || std::ranges::count(before, found.front().what) > 0) return;
+  if (found.empty() || std::ranges::count(warnings, found.front().what) > 0) return;
   report_findings(simulation.node.label(), found);
-  if (before.empty()) write_warnings(file, {found.front().what});
+  warnings.push_back(found.front().what);
 }
 
-// Rows [begin, begin + count) of the simulation, from row `at` of the shard's file.
-void write_block(h5::File& file, const Simulation& simulation, Index begin, Index at, Index count) {
+// Rows [begin, begin + count) of the simulation, from row `at` of the shard's file. `warnings` of
+// the shard grow by theirs.
+void write_block(h5::File& file, const Simulation& simulation, Index begin, Index at, Index count,
+                 std::vector<std::string>& warnings) {
   const auto start = Clock::now();
   const RowMatrix theta = read_proposal(simulation.proposal, {begin, begin + count});
   StreamId first = simulation.id;
@@ -166,10 +171,12 @@ void write_block(h5::File& file, const Simulation& simulation, Index begin, Inde
   simulated_values(file).write_rows<float>(at, count, result.values);
   file.dataset("status").write_rows<std::uint8_t>(at, count, status);
   file.dataset("seconds").write_rows<float>(at, count, row_seconds);
-  if (is_checked(simulation, begin)) check_first_rows(file, simulation, {complete, result, first});
+  if (is_checked(simulation, begin)) {
+    warnings = check_first_rows(simulation, {complete, result, first});
+  }
   const bool is_second = begin == kCheckedRows && is_checked(simulation, 0);
   if (is_second && simulation.plan.study.source().takes_seeds) {
-    check_second_block(file, simulation, {complete, result, first});
+    check_second_block(simulation, {complete, result, first}, warnings);
   }
 }
 
@@ -183,15 +190,17 @@ void simulate_shard(Simulation& simulation, const Shard& shard, Index done_befor
                         scratch == nullptr ? "" : scratch);
   create_simulation_datasets(writer.file(), simulation.plan.study, simulation.target, count);
   simulation.simulator->log_to(log_of(shard.path));
+  std::vector<std::string> warnings;
   for (Index at = 0, rows = 0; at < count; at += rows) {
     stop_here_if_requested();
     const bool is_first = is_checked(simulation, shard.rows.begin + at);
     const Index block = is_first ? kCheckedRows : simulation.simulator->block_size(count);
     rows = std::min(block, count - at);
-    write_block(writer.file(), simulation, shard.rows.begin + at, at, rows);
+    write_block(writer.file(), simulation, shard.rows.begin + at, at, rows, warnings);
     progress.update(done_before + at + rows);
   }
   simulation.simulator->log_to({});
+  write_warnings(writer.file(), warnings);
   writer.finish();
 }
 

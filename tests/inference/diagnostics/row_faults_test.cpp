@@ -117,6 +117,12 @@ TEST_F(RowFaults, AreCopiesExactAndNear) {
   }
 }
 
+TEST_F(RowFaults, AreNoCopiesWhereOneParameterVariesBesideAConstant) {
+  theta_.col(1).setConstant(0.5);
+  simulate(0.0);
+  EXPECT_EQ(find_copies(theta_, x_).num_near, 0);
+}
+
 TEST_F(RowFaults, AreExactCopiesAmongReplicates) {
   repeat_theta(4);
   simulate(0.2);
