@@ -154,14 +154,16 @@ TEST_F(Verdicts, ErrorsBeyondTheNoiseOfARecordingFail) {
   EXPECT_EQ(finding_of(Check::fit).severity, Severity::fine);
   data_.baseline.misfit = misfit_of(1.9, true, 1.15);
   EXPECT_EQ(finding_of(Check::fit).severity, Severity::wrong);
-  EXPECT_TRUE(says(finding_of(Check::fit).what, {"1.9 times the noise of [observation_noise]",
-                                                 "the noise is too small", "Look for friction"}));
+  EXPECT_TRUE(says(finding_of(Check::fit).what,
+                   {"the best parameters leave 1.9 times the noise of [observation_noise]",
+                    "the noise is too small", "Look for friction"}));
   data_.baseline.misfit->cause = "actions 2 samples later";
   data_.baseline.misfit->times_of_cause = 1.01;
   EXPECT_TRUE(has(finding_of(Check::fit).what, "With actions 2 samples later 1 times would be"));
   data_.baseline.misfit = misfit_of(9.0, false, 4.0);
-  EXPECT_TRUE(says(finding_of(Check::fit).what,
-                   {"9 times the scatter of neighboring samples", "inferred noise"}));
+  EXPECT_TRUE(says(
+      finding_of(Check::fit).what,
+      {"the best parameters leave 9 times the scatter of neighboring samples", "inferred noise"}));
 }
 
 TEST_F(Verdicts, TheFirstCheckThatFailsSaysWhereTheSimulatorIsWrong) {
@@ -170,12 +172,14 @@ TEST_F(Verdicts, TheFirstCheckThatFailsSaysWhereTheSimulatorIsWrong) {
   data_.target.dt = 0.02;  // 200 steps
   data_.baseline.misfit->left.topRows(1) << 8.0, 1.0;
   EXPECT_TRUE(says(finding_of(Check::fit).what,
-                   {"wrong in the first 0.4 s of every rollout, in theta: its errors are 8 times",
+                   {"the best parameters leave 2 times",
+                    "wrong in the first 0.4 s of every rollout, in theta: its errors are 8 times",
                     "1 times elsewhere"}));
   const RecordingMisfit in_a_part = *data_.baseline.misfit;
   data_.baseline.misfit->left.col(0).setConstant(120.0);
   EXPECT_TRUE(says(finding_of(Check::fit).what,
-                   {"Your simulator is wrong in every rollout, in theta: its errors are 120 times",
+                   {"the best parameters leave 2 times",
+                    "Your simulator is wrong in every rollout, in theta: its errors are 120 times",
                     "1 times elsewhere"}));
   data_.baseline.misfit = in_a_part;
   data_.diagnoses.front().result.predictive->check.p_value = 1e-9;

@@ -142,7 +142,7 @@ TEST(ThetaFaults, AreValuesAtAnEnd) {
   wider[0].a = -0.01;
   const auto clipped = [&](Index i) { return std::max(drawn(i) - 0.5, 0.0); };
   EXPECT_TRUE(says(faults_with(clipped, wider),
-                   {"0.05 of a in the dataset are 0, an end of it, as if clipped", remedy}));
+                   {"grave: 0.05 of a in the dataset are 0, an end of it, as if clipped", remedy}));
   EXPECT_TRUE(has(faults_with([&](Index i) { return std::round(1e4 * clipped(i)) / 1e4; }, wider),
                   "as if clipped"));
 }

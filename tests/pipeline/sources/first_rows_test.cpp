@@ -128,7 +128,8 @@ TEST_F(RowsApart, AreAStretchThatIsWrong) {
   const Findings found = find_apart(rows_);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].severity, Severity::wrong);
-  EXPECT_TRUE(says(found[0].what, {"to 200 don't go with their parameters", "should be 0.5"}));
+  EXPECT_TRUE(
+      says(found[0].what, {"rows 160 to 200 don't go with their parameters", "should be 0.5"}));
 }
 
 TEST_F(RowsApart, AreTheSameOfOtherParameters) {
