@@ -26,9 +26,7 @@ struct Yardstick {
   double unit = 0.0;  ///< "30 times the floor's", "20 % of the prior's"
   std::string words;
 
-  std::string text_of(double rmse) const {
-    return short_number(rmse / unit) + " " + words;
-  }
+  std::string text_of(double rmse) const { return short_number(rmse / unit) + " " + words; }
 };
 
 double median_of(const Vector& values) { return quantile_of_sorted(sorted_finite(values), 0.5); }

@@ -130,10 +130,10 @@ Findings find_in_theta(const RowMatrix& theta, const inference::Prior& prior);
 /// - At theta of 10,000 of them at most, by find_in_theta().
 /// - At 20,000 in the file's order, as find_apart() does of any rows (sources/first_rows.h).
 /// - At the same for rows that are there twice, or nearly: they count several times, and judge as
-///   validation what they have taught. Grave where they are a twentieth, and ten times as many as are
-///   expected of rows that were drawn by themselves, given how many values each parameter has. None
-///   where x of the same theta is mostly another, so that some of it, such as counts, may agree by
-///   chance.
+///   validation what they have taught. Grave where they are a twentieth, and ten times as many as
+///   are expected of rows that were drawn by themselves, given how many values each parameter has.
+///   None where x of the same theta is mostly another, so that some of it, such as counts, may
+///   agree by chance.
 /// Nothing of a source that simulates. Throws InputError for a damaged dataset.
 Findings find_in_dataset(const Plan& plan, const std::vector<std::string>& methods,
                          std::uint64_t seed);

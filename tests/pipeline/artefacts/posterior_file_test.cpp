@@ -193,7 +193,9 @@ TEST_F(PosteriorFile, APoolComesBackAsItWasOrIsRefused) {
   EXPECT_TRUE(says(problem([&] { reread(parts, spoil); }),
                    {"p.h5: group 'likelihood': powers of a pool = 0.5 and 2.5",
                     "must be at least 0 and 2 together"}));
-  const auto rename = [](h5::File& file) { file.set_attribute("network_role", std::string("likelihood")); };
+  const auto rename = [](h5::File& file) {
+    file.set_attribute("network_role", std::string("likelihood"));
+  };
   EXPECT_TRUE(says(problem([&] { reread(parts, rename); }),
                    {"p.h5: pool: its networks' role is 'likelihood', must be 'posterior'"}));
 }
