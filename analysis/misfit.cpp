@@ -163,8 +163,8 @@ std::optional<Concentration> concentration(const Misfit& m) {
   }
   RowMatrix there(m.num_rollouts, excess.cols());
   for (Index h = 0; h < there.rows(); ++h) {
-    const auto its = excess.middleRows(h * parts + found.begin, found.end - found.begin);
-    there.row(h) = its.colwise().mean();
+    there.row(h) =
+        excess.middleRows(h * parts + found.begin, found.end - found.begin).colwise().mean();
   }
   found.channel = outlier_of(there.colwise().mean().transpose());
   found.rollout = outlier_of(found.channel ? Vector(there.col(*found.channel))
@@ -190,10 +190,7 @@ std::optional<Cause> likeliest_cause(const FitProblem& problem, const Target& re
                                      const Vector& theta) {
   constexpr std::size_t num_fitted = 3;
   FitProblem in_parts = problem;
-  in_parts.segment_length = (recording.num_steps() + problem.parts - 1) / problem.parts;
-  if (problem.segment_length > 0) {
-    in_parts.segment_length = std::min(problem.segment_length, in_parts.segment_length);
-  }
+  in_parts.segment_length = first_length(problem, recording);
   const Fit start = fit(in_parts, recording, theta);
   if (start.errors.size() == 0) return std::nullopt;
   std::vector<std::pair<double, ChangedRecording>> changes;
@@ -203,7 +200,7 @@ std::optional<Cause> likeliest_cause(const FitProblem& problem, const Target& re
     const double size = size_of(errors, recording.num_rollouts());
     if (std::isfinite(size)) changes.emplace_back(size, std::move(changed));
   }
-  std::ranges::sort(changes, {}, [](const auto& change) { return change.first; });
+  std::ranges::stable_sort(changes, {}, [](const auto& change) { return change.first; });
   if (changes.size() > num_fitted) changes.erase(changes.begin() + num_fitted, changes.end());
   std::optional<Cause> best;
   for (const auto& [size, changed] : changes) {

@@ -225,12 +225,18 @@ class Fitter {
 
 }  // namespace
 
+Index first_length(const FitProblem& problem, const Target& recording) {
+  const Index part = problem.parts * problem.store_every;
+  const Index length = (recording.num_steps() + part - 1) / part * problem.store_every;
+  return problem.segment_length > 0 ? std::min(problem.segment_length, length) : length;
+}
+
 Fit fit(const FitProblem& problem, const Target& recording, const Vector& theta) {
   const Index steps = recording.num_steps();
   const Index longest =
       problem.segment_length > 0 ? std::min(problem.segment_length, steps) : steps;
   Fit found{{}, theta, {}};
-  for (Index length = (steps + problem.parts - 1) / problem.parts;; length *= 2) {
+  for (Index length = first_length(problem, recording);; length *= 2) {
     length = std::min(length, longest);
     const Fitter fitter(problem, recording, length);
     Fit next = fitter.begin(found);

@@ -40,6 +40,9 @@ struct Fit {
   Index segment_length = 0;  ///< [steps]
 };
 
+/// [steps] of the segments that a fit begins with: a whole number of stored states.
+Index first_length(const FitProblem& problem, const Target& recording);
+
 /// Gauss and Newton's steps (Nocedal and Wright 2006, ch. 10.3), each halved until it helps, from
 /// `theta` and recorded first states. Motion that forks can't be fitted at once (Bock 1983): at
 /// first segments are a sixteenth of a rollout, then twice as long, as long as the fits converge: a

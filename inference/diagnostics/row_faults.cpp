@@ -10,6 +10,7 @@
 #include <unsupported/Eigen/SpecialFunctions>
 
 #include "core/error.h"
+#include "inference/diagnostics/finite_rows.h"
 #include "inference/diagnostics/levels.h"
 #include "inference/nearest_rows.h"
 
@@ -167,21 +168,6 @@ Index num_different(const RowMatrix& theta, const std::vector<Index>& varying, c
   return varying.empty() ? 1 : fewest;
 }
 
-struct FiniteRows {
-  RowMatrix theta;
-  RowMatrixF x;
-
-  FiniteRows(const RowMatrix& all_theta, const RowMatrixF& all_x) {
-    if (all_theta.rows() != all_x.rows()) throw ShapeError("rows: theta and x must be as many");
-    Rows finite;
-    for (Index i = 0; i < all_x.rows(); ++i) {
-      if (all_x.row(i).allFinite()) finite.push_back(i);
-    }
-    theta = all_theta(finite, Eigen::all);
-    x = all_x(finite, Eigen::all);
-  }
-};
-
 // Values of a parameter that rows of others share: x may not depend on those.
 bool is_design_of(const RowMatrix& theta, Index num_different_rows) {
   Index most = 0;
@@ -254,17 +240,9 @@ std::set<std::pair<Index, Index>> near_pairs(const FiniteRows& rows,
   return pairs;
 }
 
-std::vector<Index> varying_parameters_of(const RowMatrix& theta) {
-  std::vector<Index> varying;
-  for (Index d = 0; d < theta.cols(); ++d) {
-    if (theta.col(d).maxCoeff() > theta.col(d).minCoeff()) varying.push_back(d);
-  }
-  return varying;
-}
-
 // Parameters that vary, each in its deviations: others are no dimension, in which rows lie apart.
 RowMatrix standardized(const RowMatrix& theta) {
-  const RowMatrix varying = theta(Eigen::all, varying_parameters_of(theta));
+  const RowMatrix varying = theta(Eigen::all, varying_columns_of(theta));
   RowMatrix z = varying.rowwise() - varying.colwise().mean().eval();
   for (Index d = 0; d < z.cols(); ++d) {
     const double deviation = std::sqrt(z.col(d).array().square().mean());
@@ -302,12 +280,21 @@ Index count_near(const FiniteRows& rows, const std::vector<Column>& columns) {
 
 }  // namespace
 
+FiniteRows::FiniteRows(const RowMatrix& all_theta, const RowMatrixF& all_x) {
+  if (all_theta.rows() != all_x.rows()) throw ShapeError("rows: theta and x must be as many");
+  for (Index i = 0; i < all_x.rows(); ++i) {
+    if (all_x.row(i).allFinite()) numbers.push_back(i);
+  }
+  theta = all_theta(numbers, Eigen::all);
+  x = all_x(numbers, Eigen::all);
+}
+
 Index count_same_rows(const RowMatrix& theta, const RowMatrixF& x) {
   constexpr Index fewest = 3;
   const FiniteRows rows(theta, x);
   const std::vector<Rows> groups = groups_of(rows.x);
   if (groups.empty() || is_design_of(rows.theta, count_different_rows(rows.theta))) return 0;
-  const std::vector<Index> varying = varying_parameters_of(rows.theta);
+  const std::vector<Index> varying = varying_columns_of(rows.theta);
   const auto num_columns = static_cast<double>(x.cols());
   Index most = 0;
   for (Index c = 0; c < x.cols(); ++c) {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/error.h"
 #include "core/normal.h"
+#include "inference/diagnostics/finite_rows.h"
 #include "inference/diagnostics/row_faults.h"
 #include "inference/diagnostics/uniformity.h"
 
@@ -30,15 +30,6 @@ Vector ranks_of(const Vector& values) {
 }
 
 Vector normal_scores(const Vector& values) { return ranks_of(values).unaryExpr(&normal_quantile); }
-
-template <class Matrix>
-std::vector<Index> varying_columns_of(const Matrix& rows) {
-  std::vector<Index> varying;
-  for (Index c = 0; c < rows.cols(); ++c) {
-    if (rows.col(c).maxCoeff() > rows.col(c).minCoeff()) varying.push_back(c);
-  }
-  return varying;
-}
 
 // Columns of x that vary, evenly chosen.
 RowMatrix scores_of(const RowMatrixF& x) {
@@ -212,19 +203,15 @@ bool has_order(const RowMatrix& u) {
 }  // namespace
 
 std::optional<RowStretch> find_stretch(const RowMatrix& theta, const RowMatrixF& x) {
-  if (theta.rows() != x.rows()) throw ShapeError("rows: theta and x must be as many");
-  std::vector<Index> finite;
-  for (Index i = 0; i < x.rows(); ++i) {
-    if (x.row(i).allFinite()) finite.push_back(i);
-  }
-  if (std::ssize(finite) < kFewestRows) return std::nullopt;
-  const std::vector<Index> varying = varying_columns_of(theta);
+  const FiniteRows rows(theta, x);
+  if (std::ssize(rows.numbers) < kFewestRows) return std::nullopt;
+  const std::vector<Index> varying = varying_columns_of(rows.theta);
   if (varying.empty()) return std::nullopt;
-  RowMatrix u = theta(finite, varying);
+  RowMatrix u = rows.theta(Eigen::all, varying);
   const std::vector<Index> begins = begins_of_runs(u);
   if (std::ssize(begins) <= kFewestRows) return std::nullopt;
   for (Index d = 0; d < u.cols(); ++d) u.col(d) = normal_scores(u.col(d));
-  const RowMatrix y = scores_of(x(finite, Eigen::all));
+  const RowMatrix y = scores_of(rows.x);
   const bool has_enough = (1 + u.cols()) * kRowsPerCoefficient <= u.rows();
   if (y.cols() == 0 || !has_enough || has_order(means_of_runs(begins, u))) return std::nullopt;
   // Means of more rows scatter less.
@@ -244,11 +231,11 @@ std::optional<RowStretch> find_stretch(const RowMatrix& theta, const RowMatrixF&
   found.most.p_value = p_value_of(found.z, found.num_windows);
   if (found.most.p_value >= kFalseAlarmRate) return std::nullopt;
   const auto row = [&](Index run) {
-    return finite[static_cast<std::size_t>(begins[static_cast<std::size_t>(run)])];
+    return rows.numbers[static_cast<std::size_t>(begins[static_cast<std::size_t>(run)])];
   };
   const Index last_run = found.most.begin + found.most.count - 1;
   const Index last =
-      finite[static_cast<std::size_t>(begins[static_cast<std::size_t>(last_run) + 1] - 1)];
+      rows.numbers[static_cast<std::size_t>(begins[static_cast<std::size_t>(last_run) + 1] - 1)];
   found.most.begin = row(found.most.begin);
   found.most.count = last + 1 - found.most.begin;
   return found.most;
