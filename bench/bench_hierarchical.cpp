@@ -171,7 +171,7 @@ analysis::Row row_of(const Plan& plan, const std::string& label, const RowMatrix
        fmt::format("{:.2f}", scores.noisy_coverage.row(level).mean())}};
 }
 
-void run(const Options& options) {
+void run_bench(const Options& options) {
   const Plan plan = plan_of(options, {});
   if (!plan.study.target.recording || plan.study.target.held_out == 0) {
     throw InputError("bench_hierarchical needs a recording, of which rollouts are held out");
@@ -229,7 +229,7 @@ int main(int argc, char** argv) {
   app.add_option("--work", options.work, "folder for what is made");
   CLI11_PARSE(app, argc, argv);
   try {
-    pipeline::run(options);
+    pipeline::run_bench(options);
   } catch (const Error& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;

@@ -150,7 +150,7 @@ void print(const std::string& method, const Outcome& outcome,
   std::cout << analysis::to_markdown(table) << '\n';
 }
 
-void run(const Options& options) {
+void run_bench(const Options& options) {
   const Study study = read_study(options.study, options.overrides);
   const Study from =
       options.from.empty() ? study : read_study(options.from, options.from_overrides);
@@ -182,7 +182,7 @@ int main(int argc, char** argv) {
   app.add_option("--seed", options.seed, "of everything random");
   CLI11_PARSE(app, argc, argv);
   try {
-    pipeline::run(options);
+    pipeline::run_bench(options);
   } catch (const Error& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;
