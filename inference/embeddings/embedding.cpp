@@ -36,7 +36,8 @@ SeriesSelection select(const EmbeddingConfig& config, const Target& target, Inde
   selection.num_stored_channels = target.num_states();
   selection.stride = config.downsample / store_every;
   selection.channels = channel_indices(config, target);
-  if (config.kind != EmbeddingKind::identity && selection.num_steps() < 2) {
+  const bool is_vector = config.kind == EmbeddingKind::identity || !config.shape.empty();
+  if (!is_vector && selection.num_steps() < 2) {
     throw InputError("embedding.downsample = " + std::to_string(config.downsample) +
                      " leaves fewer than two of the " + std::to_string(target.num_steps()) +
                      " steps of a rollout, must be smaller");

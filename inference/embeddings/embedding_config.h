@@ -1,6 +1,7 @@
 /// Settings of an embedding, as a study gives them.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -29,19 +30,21 @@ constexpr auto enum_table(EmbeddingKind) {
                                                 {identity, "identity"}});
 }
 
-/// Whether layers of it are trained with the network, which only that of a posterior can.
-constexpr bool trains_layers(EmbeddingKind kind) {
-  return kind == EmbeddingKind::convolution || kind == EmbeddingKind::linear;
-}
-
 /// Choice of how the H rollouts of one simulation become the feature vector x.
 struct EmbeddingConfig {
   EmbeddingKind kind = EmbeddingKind::all_steps;
   Index features = 16;                ///< width of the trained layer, or of the last of them
-  bool average_rollouts = false;      ///< "convolution": their mean, in place of each by itself
+  bool average_rollouts = false;      ///< "convolution": mean over rollouts, or over items of x
   Index principal_components = 0;     ///< project x on at most so many of its own first; 0: don't
   Index downsample = 1;               ///< keep every k-th state
   std::vector<std::string> channels;  ///< state channels to keep; empty: all
+  /// Of a vector x, for "convolution": items, steps of an item, values of a step. Empty: none.
+  std::vector<std::uint64_t> shape;
+
+  /// Whether layers are trained with the network, which only that of a posterior can.
+  bool trains_layers() const {
+    return kind == EmbeddingKind::convolution || kind == EmbeddingKind::linear;
+  }
 };
 
 }  // namespace npdr::inference

@@ -1,5 +1,6 @@
 #include "inference/estimators/trained_embedding.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -10,7 +11,7 @@
 namespace npdr::inference {
 namespace {
 
-constexpr Index kKernel = 8;  // steps that an output of a convolution sees
+constexpr Index kLargestKernel = 8;  // steps that an output of a convolution sees
 constexpr Index kStride = 4;
 constexpr Index kWidth = 32;
 
@@ -26,7 +27,7 @@ SeriesShape series_of(const TrainedEmbeddingConfig& config, Index num_inputs) {
 
 template <typename S>
 Index TrainedEmbedding<S>::Convolution::offset() const {
-  return (steps_in - kKernel) % kStride * channels_in;
+  return (steps_in - kernel) % kStride * channels_in;
 }
 
 template <typename S>
@@ -34,10 +35,11 @@ TrainedEmbedding<S>::TrainedEmbedding(const TrainedEmbeddingConfig& config, Inde
                                       ParameterLayout& layout)
     : series_(series_of(config, num_inputs)), average_rollouts_(config.average_rollouts) {
   Index steps = series_.num_steps, channels = series_.num_channels;
-  while (steps >= kKernel) {
+  while (steps >= kLargestKernel || (average_rollouts_ && convolutions_.empty())) {
+    const Index kernel = std::min(kLargestKernel, steps);
     const std::string name = "convolution_" + std::to_string(convolutions_.size() + 1);
-    Convolution layer{steps, channels, (steps - kKernel) / kStride + 1};
-    layer.weight = layout.add(name + ".weight", {kKernel * channels, "patch"}, {kWidth, "y"},
+    Convolution layer{kernel, steps, channels, (steps - kernel) / kStride + 1};
+    layer.weight = layout.add(name + ".weight", {kernel * channels, "patch"}, {kWidth, "y"},
                               "of a trained convolution, where there is one");
     layer.bias = layout.add_bias(name + ".bias", {kWidth, "y"}, "its bias");
     convolutions_.push_back(layer);
@@ -66,7 +68,7 @@ void TrainedEmbedding<S>::initialize(Parameters<S>& parameters, Stream& stream) 
 template <typename S>
 typename TrainedEmbedding<S>::Patches TrainedEmbedding<S>::patches(const Convolution& layer,
                                                                    const S* series) const {
-  return {series + layer.offset(), layer.steps_out, kKernel * layer.channels_in,
+  return {series + layer.offset(), layer.steps_out, layer.kernel * layer.channels_in,
           Eigen::OuterStride<>(kStride * layer.channels_in)};
 }
 

@@ -6,10 +6,10 @@
 ///   c = vec(y_L) W + b;   or, with the mean over rollouts,   c = vec(mean_h y_L[h]) W + b.
 ///
 /// Each convolution gives 32 channels and makes four steps one; they go on until at most seven
-/// steps are left. o in 0..3 is such that the last step is seen. Series of at most seven steps have
-/// none: the layer alone is the "linear" embedding. z: (n, H K C), rollout by rollout, step by
-/// step. (Strided convolutions as in LeCun et al. 1998; max(0, .) as initialized by He et al. 2015;
-/// the mean over rollouts after Zaheer et al. 2017, "Deep sets".)
+/// steps are left. o in 0..3 is such that the last step is seen. Of at most seven steps there is
+/// one of all of them where the mean over rollouts follows; else the linear layer alone. z: (n, H K
+/// C), rollout by rollout, step by step. (Strided convolutions as in LeCun et al. 1998; max(0, .)
+/// as initialized by He et al. 2015; the mean over rollouts after Zaheer et al. 2017, "Deep sets".)
 #pragma once
 
 #include <vector>
@@ -64,8 +64,8 @@ class TrainedEmbedding {
 
  private:
   struct Convolution {
-    Index steps_in, channels_in, steps_out;
-    Block weight = {}, bias = {};  ///< (8 channels_in, 32), (1, 32)
+    Index kernel, steps_in, channels_in, steps_out;
+    Block weight = {}, bias = {};  ///< (kernel channels_in, 32), (1, 32)
     Index offset() const;
     Index values_in() const { return steps_in * channels_in; }
   };

@@ -219,9 +219,13 @@ inference::PosteriorEstimationConfig estimation_config(const MethodConfig& metho
                                                        const inference::SeriesShape& series) {
   const inference::EmbeddingConfig& embedding = method.embedding;
   inference::TrainedEmbeddingConfig trained;
-  if (trains_layers(embedding.kind)) trained.features = embedding.features;
+  if (embedding.trains_layers()) trained.features = embedding.features;
   if (embedding.kind == inference::EmbeddingKind::convolution) {
     trained.series = series;
+    if (const auto& shape = embedding.shape; !shape.empty()) {
+      const auto size = [&](std::size_t i) { return static_cast<Index>(shape[i]); };
+      trained.series = {size(0), size(1), size(2)};
+    }
     trained.average_rollouts = embedding.average_rollouts;
   }
   return {.algorithm = method.algorithm,

@@ -128,6 +128,14 @@ Constraint<std::vector<std::uint64_t>> rollouts_constraint() {
           }};
 }
 
+Constraint<std::vector<std::uint64_t>> shape_constraint() {
+  return {"three numbers of 1 to 10^6: items, steps, values; or none", [](const auto& shape) {
+            constexpr std::uint64_t most = 1'000'000;
+            const auto is_size = [](std::uint64_t size) { return size >= 1 && size <= most; };
+            return shape.empty() || (shape.size() == 3 && std::ranges::all_of(shape, is_size));
+          }};
+}
+
 std::string marginal_words() {
   return "{ uniform = [low, high] }, { log_uniform = [low, high] }, { normal = [mean, std] } or "
          "{ log_normal = [mean of log, std of log] }, of finite numbers";

@@ -79,6 +79,7 @@ Constraint<std::vector<double>> noise_prior(double low, const std::string& name,
                                             double high = kInfinity);
 Constraint<std::vector<std::uint64_t>> seeds_constraint();
 Constraint<std::vector<std::uint64_t>> rollouts_constraint();
+Constraint<std::vector<std::uint64_t>> shape_constraint();
 Constraint<std::vector<inference::Marginal>> prior_constraint();
 /// As many numbers as anybody has names for.
 Constraint<std::map<std::string, double>> few_numbers();

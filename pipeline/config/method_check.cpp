@@ -101,7 +101,9 @@ class MethodChecker : Checker {
     require(at("embedding.principal_components"), embedding.principal_components,
             embedding.kind != EmbeddingKind::convolution || embedding.principal_components == 0,
             "0 with kind 'convolution', which sees steps; 'all_steps' has principal components");
-    if (!info_ || !study_.source().gives_motion) return;  // features may not be known yet
+    if (!study_.source().gives_motion) return;  // features may not be known yet
+    must_be_left_out({at("embedding.shape")}, "it is for features; rollouts have a shape already");
+    if (!info_) return;
     const std::string path = at("embedding.channels");
     for (const std::string& channel : embedding.channels) {
       require_known(path, display(path), "channel", channel, labels_of(info_->state_channels));
@@ -154,9 +156,9 @@ class MethodChecker : Checker {
     require(path, kind, std::ranges::count(estimators_of(algorithm_), kind) > 0,
             fmt::format("one of {} with algorithm '{}'", inference::estimator_list(algorithm_),
                         algorithm_.name));
-    const EmbeddingKind embedding = method_.embedding.kind;
-    require(at("embedding.kind"), embedding,
-            algorithm_.role == inference::NetworkRole::posterior || !trains_layers(embedding),
+    const inference::EmbeddingConfig& embedding = method_.embedding;
+    require(at("embedding.kind"), embedding.kind,
+            algorithm_.role == inference::NetworkRole::posterior || !embedding.trains_layers(),
             fmt::format("another with algorithm '{}', which can't train one: such as 'all_steps' "
                         "with principal_components",
                         algorithm_.name));
@@ -186,7 +188,7 @@ class MethodChecker : Checker {
   }
 
   void check_abc() {
-    require(at("embedding.kind"), method_.embedding.kind, !trains_layers(method_.embedding.kind),
+    require(at("embedding.kind"), method_.embedding.kind, !method_.embedding.trains_layers(),
             fmt::format("another with algorithm '{}', which trains no layer: such as 'all_steps'",
                         algorithm_.name));
     require(at("num_rounds"), num_rounds(),

@@ -20,7 +20,8 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
     "width of the trained layer (\"convolution\": of the last, and \"linear\"); twice the "
     "parameters when left out, if that is more");
   f("average_rollouts", c.average_rollouts, anything<bool>(),
-    "\"convolution\" only: the last layer sees the mean over rollouts, not each by itself");
+    "\"convolution\" only: the last layer sees the mean over rollouts, or over items of shape, not "
+    "each by itself");
   f("principal_components", c.principal_components, count_from(0),
     "of the features, at most as many as there are, for the network to see; 0: the features "
     "themselves; where none of kind, features, average_rollouts and this is given, networks have "
@@ -29,6 +30,10 @@ void describe(Fields& f, inference::EmbeddingConfig& c) {
     "keep every k-th state; a multiple of simulator.store_every, which it is when left out");
   f("channels", c.channels, anything<std::vector<std::string>>(),
     "state channels to keep; empty: all");
+  f("shape", c.shape, shape_constraint(),
+    "of features, for \"convolution\": [items, steps, values], whose product is their number; "
+    "[1, 32, 32]: a picture of 32 rows, [12, 1, 3]: 12 trials of three numbers, whose order is no "
+    "matter with average_rollouts");
 }
 
 template <class Fields>

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
+#include <numeric>
 
 #include "core/error.h"
 #include "pipeline/config/checker.h"
@@ -27,6 +29,7 @@ class RolloutChecker : Checker {
           require_known(method_path(i) + ".embedding.channels", "method.embedding.channels",
                         "feature", channel, labels_of(shape_.state_channels));
         }
+        check_shape(method_path(i) + ".embedding.shape", study_.methods[i].embedding);
       }
       return;
     }
@@ -57,6 +60,17 @@ class RolloutChecker : Checker {
   }
 
  private:
+  void check_shape(const std::string& path, const inference::EmbeddingConfig& embedding) {
+    if (embedding.shape.empty()) return;
+    const auto num_features =
+        static_cast<std::uint64_t>(embedding.channels.empty() ? std::ssize(shape_.state_channels)
+                                                              : std::ssize(embedding.channels));
+    const std::uint64_t product = std::accumulate(embedding.shape.begin(), embedding.shape.end(),
+                                                  std::uint64_t{1}, std::multiplies());
+    require(path, product, product == num_features,
+            fmt::format("a product of {}, the number of features", num_features));
+  }
+
   // False when it is more, or was wrong already.
   bool check_at_most(const std::string& path, Index found, Index most, const std::string& why) {
     if (!reading_.good(path) || shape_.num_steps == 0) return false;  // it is missing itself

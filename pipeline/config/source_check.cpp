@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 #include <system_error>
+#include <tuple>
 
 #include "core/constants.h"
 #include "core/feature_names.h"
@@ -194,12 +195,12 @@ class SourceChecker : Checker {
   }
 
   void check_method(const std::string& path, const MethodConfig& method) {
-    must_be_left_out({path + ".num_rollouts", path + ".embedding.downsample",  //
-                      path + ".embedding.features"},
-                     no_rollouts());
-    const inference::EmbeddingKind kind = method.embedding.kind;
-    require(path + ".embedding.kind", kind, kind == inference::EmbeddingKind::identity,
-            "'identity': " + no_rollouts());
+    must_be_left_out({path + ".num_rollouts", path + ".embedding.downsample"}, no_rollouts());
+    using enum inference::EmbeddingKind;
+    const auto& [kind, shape] = std::tie(method.embedding.kind, method.embedding.shape);
+    if (shape.empty()) must_be_left_out({path + ".embedding.features"}, no_rollouts());
+    require(path + ".embedding.kind", kind, kind == (shape.empty() ? identity : convolution),
+            "'identity', or 'convolution' with embedding.shape: " + no_rollouts());
     const Index rounds = method.algorithm.num_rounds;
     require(path + ".num_rounds", rounds, source_.simulates || rounds == 1,
             "1 with a dataset: nothing simulates what later rounds propose");

@@ -121,7 +121,9 @@ class Resolver {
     }
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
       if (reading_.has(path_of(i) + ".embedding.kind")) continue;
-      study_.methods[i].embedding.kind = inference::EmbeddingKind::identity;
+      inference::EmbeddingConfig& embedding = study_.methods[i].embedding;
+      embedding.kind = embedding.shape.empty() ? inference::EmbeddingKind::identity
+                                               : inference::EmbeddingKind::convolution;
     }
   }
 

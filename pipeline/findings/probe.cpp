@@ -124,7 +124,7 @@ Finding judge_p_value(const MethodResults& m, const PValueProbe& probe) {
 std::string advice_to_learn(const MethodConfig& method) {
   using enum inference::EmbeddingKind;
   const inference::EmbeddingKind kind = method.embedding.kind;
-  const bool sees_all = trains_layers(kind) || kind == all_steps || kind == identity;
+  const bool sees_all = method.embedding.trains_layers() || kind == all_steps || kind == identity;
   return (sees_all ? "" : "embedding.principal_components without embedding.kind, ") +
          std::string("more simulations");
 }

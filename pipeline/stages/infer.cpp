@@ -76,7 +76,7 @@ void infer_network(const Plan& plan, const Node& node, ArtefactWriter& writer) {
   const inference::SeriesSelection& series = embedding->selection();
   auto config =
       estimation_config(method, {series.num_rollouts, series.num_steps(), series.num_channels()});
-  config.tails = plan.study.tails();
+  if (method.embedding.shape.empty()) config.tails = plan.study.tails();
 
   inference::RoundData data;
   data.prior = &prior;
