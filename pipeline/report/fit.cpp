@@ -74,9 +74,9 @@ std::vector<std::string> fit_notes(const ReportData& data) {
   note_regressions(data, notes);
   if (data.plan.study.source().predicts_features()) {
     notes.emplace_back(
-        "Distance to x_o: root of the mean over features of ((x - x_o) / s)², s the standard "
-        "deviation of the feature over simulations of the prior; features that span orders of "
-        "magnitude after a logarithm of a kind");
+        "Distance to x_o: root of the mean over features of ((x - x_o) / s)². s is the standard "
+        "deviation of the feature over simulations of the prior. Features that span orders of "
+        "magnitude are first put on a logarithmic scale");
   }
   note_recorded_goal(data, notes);
   return notes;

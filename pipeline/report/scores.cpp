@@ -55,12 +55,15 @@ Score share_in_bands(double level, const ScoredStates& states) {
           }};
 }
 
-std::vector<Score> main_scores(const ReportData& data, const Part& part) {
-  std::vector<Score> scores = {mean_crps(observed_states(data))};
-  const bool has_log_score = std::ranges::all_of(data.runs, [&](const EvaluatedRun& run) {
+bool has_log_score(const ReportData& data, const Part& part) {
+  return std::ranges::all_of(data.runs, [&](const EvaluatedRun& run) {
     return part.of_run(run).front()->log_score.size() > 0;
   });
-  if (has_log_score) {
+}
+
+std::vector<Score> main_scores(const ReportData& data, const Part& part) {
+  std::vector<Score> scores = {mean_crps(observed_states(data))};
+  if (has_log_score(data, part)) {
     scores.push_back(
         {"log score", kInfinity, [](const PredictionScores& s) { return s.log_score.mean(); }});
   }
@@ -128,10 +131,8 @@ std::vector<Part> parts_of(const ReportData& data) {
 }
 
 // The scores of every part that `scores_of` chooses.
-std::optional<Table> table_of_scores(const ReportData& data, std::string caption,
-                                     std::vector<Score> (*scores_of)(const ReportData&,
-                                                                     const Part&)) {
-  if (!has_rollout_scores(data)) return std::nullopt;
+Table table_of_scores(const ReportData& data, std::string caption,
+                      std::vector<Score> (*scores_of)(const ReportData&, const Part&)) {
   std::vector<ScoreRow> rows;
   for (const Part& part : parts_of(data)) {
     for (const Score& score : scores_of(data, part)) rows.push_back({part, score});
@@ -161,7 +162,7 @@ std::string words_on_parts(const ReportData& data) {
   return fmt::format(
       " Left out: the rollouts are divided into {} parts, and each part is predicted by a "
       "posterior "
-      "that has not seen this part. Scores are means over the parts.",
+      "that has not seen this part. Left-out scores are means over the parts.",
       data.plan.study.evaluate.leave_out);
 }
 
@@ -170,21 +171,25 @@ std::string words_on_parts(const ReportData& data) {
 /// Scores of predictions by the samples of a posterior together, of the prior and of single
 /// parameter vectors: of states as they are observed, mean over channels.
 std::optional<Table> scores_table(const ReportData& data) {
+  if (!has_rollout_scores(data)) return std::nullopt;
   std::string caption =
-      "How well the samples of a posterior together predict the stored states: mean over channels, "
-      "then mean and standard deviation over seeds. The CRPS (continuous ranked probability score) "
+      "How well the samples of a posterior together predict the stored states. Scores are means "
+      "over channels, with mean and standard deviation over seeds. The CRPS (continuous ranked "
+      "probability score) "
       "is an error in units of the channel's largest recorded magnitude. A smaller CRPS is better. "
       "A 90 % band should contain 90 % of the recorded states.";
-  if (is_noisy(data)) {
+  if (is_noisy(data)) caption += " With noise: the observation noise is added to predictions.";
+  if (has_log_score(data, parts_of(data).front())) {
     caption +=
-        " The log score is the log density of the recorded states [nats], in the same units. A "
-        "larger log score is better. With noise: predictions have the observation noise added.";
+        " The log score is the log density of the recorded states in the same units [nats]. A "
+        "larger log score is better.";
   }
   return table_of_scores(data, caption + words_on_parts(data), main_scores);
 }
 
 /// The same with other bands, without noise, and channel by channel.
 std::optional<Table> scores_details_table(const ReportData& data) {
+  if (!has_rollout_scores(data)) return std::nullopt;
   return table_of_scores(data,
                          "Further scores of the same predictions, and the CRPS of each channel. A "
                          "50 % band should contain 50 % of the recorded states." +
