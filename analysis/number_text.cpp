@@ -23,10 +23,16 @@ std::string formula(const std::string& text, NumberStyle style) {
   return style == NumberStyle::latex ? "$" + text + "$" : text;
 }
 
-}  // namespace
+// Digits of a finite mean and its spread.
+struct MeanDigits {
+  double std;
+  int exponent;  // of the larger number
+  bool scaled;   // by that power of ten
+  double scale;  // what both are multiplied by
+  int decimals;  // of the product
+};
 
-std::string mean_std_text(double mean, double std, NumberStyle style) {
-  if (!std::isfinite(mean)) return "n/a";
+MeanDigits digits_of(double mean, double std) {
   const bool has_std = std::isfinite(std);
   if (has_std && std < kRounding * std::abs(mean)) std = 0.0;
   const double size = std::max(std::abs(mean), has_std ? std : 0.0);
@@ -36,7 +42,17 @@ std::string mean_std_text(double mean, double std, NumberStyle style) {
   const double scale = scaled ? std::pow(10.0, -exponent) : 1.0;
   int decimals = std::max(0, kMeanDigits - 1 - (scaled ? 0 : exponent));
   if (has_std && std > 0.0) decimals = std::max(decimals, -exponent_of(std * scale, 1));
-  decimals = std::min(decimals, kMaxDecimals);
+  return {std, exponent, scaled, scale, std::min(decimals, kMaxDecimals)};
+}
+
+bool shows_all_digits(double value) { return value == std::round(value) && std::abs(value) < 1e6; }
+
+}  // namespace
+
+std::string mean_std_text(double mean, double spread, NumberStyle style) {
+  if (!std::isfinite(mean)) return "n/a";
+  const auto [std, exponent, scaled, scale, decimals] = digits_of(mean, spread);
+  const bool has_std = std::isfinite(std);
   const bool latex = style == NumberStyle::latex;
   std::string text = fmt::format("{:.{}f}", mean * scale, decimals);
   if (has_std) {
@@ -55,7 +71,7 @@ std::string number_text(double value, NumberStyle style) {
     const std::string sign = value < 0.0 ? "-" : "";
     return style == NumberStyle::latex ? "$" + sign + "\\infty$" : sign + "inf";
   }
-  if (value == std::round(value) && std::abs(value) < 1e6) {
+  if (shows_all_digits(value)) {
     return formula(fmt::format("{:.0f}", value + 0.0), style);  // + 0.0: no "-0"
   }
   const int exponent = exponent_of(value, kNumberDigits);
@@ -66,6 +82,16 @@ std::string number_text(double value, NumberStyle style) {
       fmt::format("{:.{}g}", value * std::pow(10.0, -exponent), kNumberDigits);
   if (style == NumberStyle::plain) return fmt::format("{}e{}", mantissa, exponent);
   return fmt::format("${} \\times 10^{{{}}}$", mantissa, exponent);
+}
+
+double last_digit(double mean, double std) {
+  const MeanDigits digits = digits_of(mean, std);
+  return std::pow(10.0, -digits.decimals) / digits.scale;
+}
+
+double last_digit(double value) {
+  if (!std::isfinite(value) || shows_all_digits(value)) return 0.0;
+  return std::pow(10.0, exponent_of(value, kNumberDigits) - kNumberDigits + 1);
 }
 
 }  // namespace npdr::analysis

@@ -22,4 +22,9 @@ std::string mean_std_text(double mean, double std, NumberStyle style);
 /// ("8.4", "2.9e-4"). "n/a" for NaN, "inf" and "-inf".
 std::string number_text(double value, NumberStyle style);
 
+/// Size of one step of the last digit that mean_std_text() shows of a finite mean.
+double last_digit(double mean, double std);
+/// The same of number_text(); 0: all digits are shown.
+double last_digit(double value);
+
 }  // namespace npdr::analysis

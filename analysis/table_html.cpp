@@ -26,7 +26,7 @@ std::string class_of(const Table& table, std::size_t column, const std::string& 
 
 std::string to_html(const Table& table) {
   table.check();
-  const Markup markup = {escape_html, NumberStyle::plain, "<sup>{}</sup>"};
+  const Markup markup = {escape_html, NumberStyle::plain, "<sup>{}</sup>", "<b>{}</b>"};
   const auto grid = text_grid(table, markup);
   // What is wider than a window must be reached by keys.
   std::string text = "<div class=\"scroll\" tabindex=\"0\"><table>\n";

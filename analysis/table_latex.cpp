@@ -19,7 +19,8 @@ using Grid = std::vector<std::vector<std::string>>;
 
 // A mean with its spread, "$0.26 \pm 0.01$": where all of a column are, their signs are aligned.
 bool is_split(const std::string& cell) {
-  return cell.empty() || (cell.find(kPlusMinus) != std::string::npos && !cell.starts_with("$["));
+  return cell.empty() ||
+         (cell.find(kPlusMinus) != std::string::npos && cell.find("$[") == std::string::npos);
 }
 
 std::vector<bool> split_columns(const Grid& grid) {
@@ -36,7 +37,8 @@ std::vector<bool> split_columns(const Grid& grid) {
 std::string halves(const std::string& cell) {
   const std::size_t sign = cell.find(kPlusMinus);
   if (sign == std::string::npos) return " & ";
-  return cell.substr(0, sign) + "$ & ${}" + cell.substr(sign + 1);
+  const std::string bold = cell.substr(0, cell.find('$'));  // or nothing
+  return cell.substr(0, sign) + "$ & " + bold + "${}" + cell.substr(sign + 1);
 }
 
 std::string row_text(const std::vector<std::string>& cells, const std::vector<bool>& split,
@@ -54,7 +56,8 @@ std::string row_text(const std::vector<std::string>& cells, const std::vector<bo
 
 std::string to_latex(const Table& table) {
   table.check();
-  const Markup markup = {escape_latex, NumberStyle::latex, "\\textsuperscript{{{}}}"};
+  const Markup markup = {escape_latex, NumberStyle::latex, "\\textsuperscript{{{}}}",
+                         "\\boldmath{}"};
   Grid grid = text_grid(table, markup);
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
     const std::string& symbol = table.rows[r].symbol;

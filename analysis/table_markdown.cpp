@@ -18,7 +18,7 @@ std::size_t display_width(const std::string& text) {
 
 std::string to_markdown(const Table& table) {
   table.check();
-  const Markup markup = {escape_markdown, NumberStyle::plain, " ({})"};
+  const Markup markup = {escape_markdown, NumberStyle::plain, " ({})", "**{}**"};
   const auto grid = text_grid(table, markup);
   std::vector<std::size_t> widths(grid[0].size(), 3);
   for (const auto& row : grid) {

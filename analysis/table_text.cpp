@@ -25,21 +25,16 @@ Marks footnote_marks(const Table& table) {
   return marks;
 }
 
-std::string cell_text(const Cell& cell, const Markup& markup, const Marks& marks) {
-  std::string text;
-  if (const auto* words = std::get_if<std::string>(&cell.value)) {
-    text = markup.escape(*words);
-  } else if (const auto* number = std::get_if<double>(&cell.value)) {
-    text = number_text(*number, markup.numbers);
-  } else if (const auto* count = std::get_if<Index>(&cell.value)) {
-    text = std::to_string(*count);
-  } else if (const auto* mean_std = std::get_if<MeanStd>(&cell.value)) {
-    text = mean_std_text(mean_std->mean, mean_std->std, markup.numbers);
+std::string value_text(const Cell& cell, const Markup& markup) {
+  if (const auto* words = std::get_if<std::string>(&cell.value)) return markup.escape(*words);
+  if (const auto* number = std::get_if<double>(&cell.value)) {
+    return number_text(*number, markup.numbers);
   }
-  for (const std::string& note : cell.notes) {
-    text += fmt::format(fmt::runtime(markup.note), marks.at(note));
+  if (const auto* count = std::get_if<Index>(&cell.value)) return std::to_string(*count);
+  if (const auto* mean_std = std::get_if<MeanStd>(&cell.value)) {
+    return mean_std_text(mean_std->mean, mean_std->std, markup.numbers);
   }
-  return text;
+  return "";
 }
 
 }  // namespace
@@ -50,7 +45,15 @@ std::vector<std::vector<std::string>> text_grid(const Table& table, const Markup
   const Marks marks = footnote_marks(table);
   for (const Row& row : table.rows) {
     grid.push_back({markup.escape(row.label)});
-    for (const Cell& cell : row.cells) grid.back().push_back(cell_text(cell, markup, marks));
+    const std::vector<bool> best = table.best_of(row);
+    for (std::size_t c = 0; c < row.cells.size(); ++c) {
+      std::string text = value_text(row.cells[c], markup);
+      if (best[c]) text = fmt::format(fmt::runtime(markup.best), text);
+      for (const std::string& note : row.cells[c].notes) {
+        text += fmt::format(fmt::runtime(markup.note), marks.at(note));
+      }
+      grid.back().push_back(std::move(text));
+    }
   }
   return grid;
 }

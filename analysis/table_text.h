@@ -15,6 +15,7 @@ struct Markup {
   std::string (*escape)(std::string_view);
   NumberStyle numbers;
   std::string note;  ///< fmt pattern of a footnote mark
+  std::string best;  ///< and of the best cells of a row
 };
 
 /// All cells as text: the titles, then the rows; the labels first.

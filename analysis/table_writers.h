@@ -1,4 +1,5 @@
-/// A table as Markdown, CSV, LaTeX and HTML. All throw what Table::check() throws.
+/// A table as Markdown, CSV, LaTeX and HTML. The best numbers of a row (Table::best_of) are bold
+/// but in CSV. All throw what Table::check() throws.
 #pragma once
 
 #include <filesystem>

@@ -74,9 +74,9 @@ std::vector<std::string> fit_notes(const ReportData& data) {
   note_regressions(data, notes);
   if (data.plan.study.source().predicts_features()) {
     notes.emplace_back(
-        "Distance to x_o: root of the mean over features of ((x - x_o) / s)², s the standard "
-        "deviation of the feature over simulations of the prior; features that span orders of "
-        "magnitude after a logarithm of a kind");
+        "Distance to x_o: root of the mean over features of ((x - x_o) / s)². s is the standard "
+        "deviation of the feature over simulations of the prior. Features that span orders of "
+        "magnitude are first put on a logarithmic scale");
   }
   note_recorded_goal(data, notes);
   return notes;
@@ -122,7 +122,7 @@ std::vector<FitRow> fit_rows(const ReportData& data) {
 
 // Ours, and beside it what was published.
 void add_method(const ReportData& data, const std::string& method, TableOf<FitRow>& table) {
-  table.add(method, [runs = data.runs_of(method)](const FitRow& row) {
+  table.add_compared(method, [runs = data.runs_of(method)](const FitRow& row) {
     const auto samples = metric_samples(row.metric);
     return row.is_of_seed_means ? cell_of_seeds(summary_of_means(runs, samples))
                                 : fit_cell(runs, row.metric, pooled(runs, samples));
@@ -201,6 +201,7 @@ std::optional<Table> fit_table(const ReportData& data) {
           [&](const FitRow& row) {
             return title_of(data, row.metric) + (row.is_of_seed_means ? ", seed means" : "");
           },
+      .ideal = [](const FitRow& row) { return ideal_of(row.metric); },
       .last_notes = fit_notes(data)};
   for (const std::string& method : data.methods) add_method(data, method, table);
   if (const auto& prior = data.baseline.prior) {

@@ -13,12 +13,21 @@
 
 namespace npdr::pipeline {
 
-std::string title_of(const ReportData& data, const std::string& metric) {
-  if (metric.starts_with(kHeldOutPrefix)) {
-    return title_of(data, metric.substr(kHeldOutPrefix.size())) + ", held out";
-  }
-  return title_of(parse_enum<Metric>("metric", metric), data.info);
+namespace {
+
+Metric metric_of(const std::string& measured) {
+  const bool is_held_out = measured.starts_with(kHeldOutPrefix);
+  return parse_enum<Metric>("metric", measured.substr(is_held_out ? kHeldOutPrefix.size() : 0));
 }
+
+}  // namespace
+
+std::string title_of(const ReportData& data, const std::string& metric) {
+  const std::string where = metric.starts_with(kHeldOutPrefix) ? ", held out" : "";
+  return title_of(metric_of(metric), data.info) + where;
+}
+
+double ideal_of(const std::string& metric) { return metric_of(metric) == Metric::goal ? 1.0 : 0.0; }
 
 Cell cell_of(const analysis::Summary& summary) { return with_failed(summary, summary); }
 
@@ -42,7 +51,7 @@ Cell cell_of_seeds(const analysis::Summary& summary) {
 
 std::string noiseless_bands_text(const Study& study) {
   if (!study.target.recording || study.observation_noise.is_silent()) return "";
-  return " The recording has noise: without it bands are of what lies below, and hold less.";
+  return " The recording has noise, so bands without noise contain less than their level.";
 }
 
 std::vector<KnownPoint> known_points(const ReportData& data) {

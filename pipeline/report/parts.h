@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,14 +24,23 @@ struct TableOf {
   std::string row_header;
   std::vector<Item> rows;
   std::function<std::string(const Item&)> label;  ///< of a row
+  /// Of a row: analysis::Row::ideal.
+  std::function<std::optional<double>(const Item&)> ideal = {};
   /// Titles, and cells in the row of an item.
   std::vector<std::pair<std::string, std::function<Cell(const Item&)>>> columns = {};
+  std::vector<std::size_t> compared = {};     ///< columns of methods that compete
   std::vector<std::string> first_notes = {};  ///< footnotes before those of the cells
   std::vector<std::string> last_notes = {};   ///< and after
 
   /// Adds a column.
   void add(std::string title, std::function<Cell(const Item&)> cell) {
     columns.emplace_back(std::move(title), std::move(cell));
+  }
+
+  /// Adds the column of a method, of which the best of each row is marked.
+  void add_compared(std::string title, std::function<Cell(const Item&)> cell) {
+    compared.push_back(columns.size());
+    add(std::move(title), std::move(cell));
   }
 
   /// Adds a column for each of `titles`, with `cell`(title, item).
@@ -43,22 +53,26 @@ struct TableOf {
 
   /// All cells, row by row, with their footnotes in that order.
   Table make() const {
-    Table table{.name = "", .caption = caption, .row_header = row_header};
+    Table table{.name = "", .caption = caption, .row_header = row_header, .compared = compared};
     for (const std::string& note : first_notes) table.add_footnote(note);
     for (const auto& [title, cell] : columns) table.columns.push_back(title);
     for (const Item& item : rows) {
       analysis::Row& row = table.rows.emplace_back(analysis::Row{label(item), {}});
+      if (ideal) row.ideal = ideal(item);
       for (const auto& [title, cell] : columns) {
         for (const auto& note : row.cells.emplace_back(cell(item)).notes) table.add_footnote(note);
       }
     }
     for (const std::string& note : last_notes) table.add_footnote(note);
+    if (compared.size() > 1) table.add_footnote("Bold: the best method of a row");
     return table;
   }
 };
 
 /// Title of one of measured_names(): "RMSE, held out".
 std::string title_of(const ReportData& data, const std::string& metric);
+/// Its best value: 1 of a probability, 0 of an error.
+double ideal_of(const std::string& metric);
 
 /// Mean and standard deviation; a footnote says how many samples failed.
 Cell cell_of(const analysis::Summary& summary);
@@ -69,7 +83,7 @@ Cell with_failed(Cell cell, const analysis::Summary& summary);
 /// others failed.
 Cell cell_of_seeds(const analysis::Summary& summary);
 
-/// Why bands without noise hold less of a recording, which has some; empty where that isn't so.
+/// That bands without noise contain less than their level of a noisy recording; else empty.
 std::string noiseless_bands_text(const Study& study);
 
 /// Parameters that are known, and where evaluations hold their density.

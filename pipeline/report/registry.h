@@ -32,16 +32,17 @@ struct ReportEntry {
   const char* name = "";  ///< of a table's files
 };
 
-TableMaker fit_table, scores_table, features_table, rounds_table, proposals_table, densities_table,
-    seeds_table, parameters_table, intervals_table, noise_table, contraction_table,
-    refinement_table, policy_table, policy_seeds_table, policy_parameters_table, policy_cost_table,
-    diagnostics_table;
+TableMaker fit_table, scores_table, scores_details_table, features_table, rounds_table,
+    proposals_table, densities_table, seeds_table, parameters_table, intervals_table, noise_table,
+    contraction_table, refinement_table, policy_table, policy_seeds_table, policy_parameters_table,
+    policy_cost_table, diagnostics_table;
 
 /// In the order of the report.
 inline constexpr ReportEntry<TableMaker> kTables[] = {
     {Section::fit, fit_table, "fit"},
     {Section::fit, scores_table, "scores"},
     {Section::fit, features_table, "features"},
+    {Section::details, scores_details_table, "scores_details"},
     {Section::details, rounds_table, "rounds"},
     {Section::details, proposals_table, "proposals"},
     {Section::details, densities_table, "densities"},

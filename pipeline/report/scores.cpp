@@ -10,23 +10,95 @@ namespace {
 
 using Scores = std::vector<const PredictionScores*>;
 
-// Rollouts that are scored: what the rows are called, and the scores of a run and of a baseline,
-// which may have none.
+// Rollouts that are scored: the end of their rows' labels, and the scores of a run and of a
+// baseline, which may have none.
 struct Part {
   std::string where;
   std::function<Scores(const EvaluatedRun&)> of_run;
   std::optional<PredictionScores> RolloutScores::*of_baseline;
 };
 
-// A number of the rollouts of a part.
-struct ScoreRow {
-  std::string label;
-  Part part;
+// A number that predictions are scored by, and its best value.
+struct Score {
+  std::string name;
+  std::optional<double> ideal;
   std::function<double(const PredictionScores&)> number;
+};
+
+// Predictions with observation noise, or without.
+struct ScoredStates {
+  const char* name;
+  Vector PredictionScores::*crps;
+  RowMatrix PredictionScores::*coverage;
+};
+constexpr ScoredStates kWithoutNoise = {"", &PredictionScores::crps, &PredictionScores::coverage};
+constexpr ScoredStates kWithNoise = {" with noise", &PredictionScores::noisy_crps,
+                                     &PredictionScores::noisy_coverage};
+
+bool is_noisy(const ReportData& data) { return !data.plan.study.observation_noise.is_silent(); }
+
+// Those that are like what is observed.
+const ScoredStates& observed_states(const ReportData& data) {
+  return is_noisy(data) ? kWithNoise : kWithoutNoise;
+}
+
+Score mean_crps(const ScoredStates& states) {
+  return {fmt::format("CRPS{}", states.name), -kInfinity,
+          [crps = states.crps](const PredictionScores& s) { return (s.*crps).mean(); }};
+}
+
+Score share_in_bands(double level, const ScoredStates& states) {
+  const Index row = std::ranges::find(kBandLevels, level) - kBandLevels.begin();
+  return {fmt::format("{:.0f} % bands{} cover", 100.0 * level, states.name), level,
+          [coverage = states.coverage, row](const PredictionScores& s) {
+            return (s.*coverage).row(row).mean();
+          }};
+}
+
+bool has_log_score(const ReportData& data, const Part& part) {
+  return std::ranges::all_of(data.runs, [&](const EvaluatedRun& run) {
+    return part.of_run(run).front()->log_score.size() > 0;
+  });
+}
+
+std::vector<Score> main_scores(const ReportData& data, const Part& part) {
+  std::vector<Score> scores = {mean_crps(observed_states(data))};
+  if (has_log_score(data, part)) {
+    scores.push_back(
+        {"log score", kInfinity, [](const PredictionScores& s) { return s.log_score.mean(); }});
+  }
+  scores.push_back(share_in_bands(0.9, observed_states(data)));
+  return scores;
+}
+
+// All that the main ones leave out.
+std::vector<Score> further_scores(const ReportData& data, const Part& /*part*/) {
+  std::vector<Score> scores = {share_in_bands(0.5, observed_states(data))};
+  if (is_noisy(data)) {
+    scores.push_back(mean_crps(kWithoutNoise));
+    for (const double level : {0.5, 0.9}) {
+      scores.push_back(share_in_bands(level, kWithoutNoise));
+      // Of a noisy recording the level is no ideal.
+      if (!noiseless_bands_text(data.plan.study).empty()) scores.back().ideal.reset();
+    }
+  }
+  Index c = 0;
+  for (const Channel& channel : data.info.state_channels) {
+    scores.push_back({"CRPS of " + channel.label, -kInfinity,
+                      [c](const PredictionScores& s) { return s.crps(c); }});
+    ++c;
+  }
+  return scores;
+}
+
+// A score of the rollouts of a part.
+struct ScoreRow {
+  Part part;
+  Score score;
 
   Cell of_runs(const std::vector<const EvaluatedRun*>& runs) const {
     const Vector of_seeds = each(runs, [&](const EvaluatedRun* run) {
-      return each(part.of_run(*run), [&](const PredictionScores* s) { return number(*s); }).mean();
+      return each(part.of_run(*run), [&](const auto* s) { return score.number(*s); }).mean();
     });
     // A log score of what was held to be impossible; summaries are of finite numbers.
     if (of_seeds.size() > 0 && of_seeds.minCoeff() == -kInfinity) return "-inf";
@@ -34,38 +106,12 @@ struct ScoreRow {
   }
 
   Cell of_baseline(const RolloutScores& scores) const {
-    return part.of_baseline == nullptr ? Cell() : Cell(number(*(scores.*part.of_baseline)));
+    return part.of_baseline == nullptr ? Cell() : Cell(score.number(*(scores.*part.of_baseline)));
   }
 };
 
-// All rows of the rollouts that were seen, left out or held out.
-void add_part(const ReportData& data, const Part& part, std::vector<ScoreRow>& rows) {
-  using S = PredictionScores;
-  const auto add = [&](const std::string& score, std::function<double(const S&)> number) {
-    rows.push_back({score + part.where, part, std::move(number)});
-  };
-  const bool has_log_score = std::ranges::all_of(data.runs, [&](const EvaluatedRun& run) {
-    return part.of_run(run).front()->log_score.size() > 0;
-  });
-  const bool has_noise = !data.plan.study.observation_noise.is_silent();
-  add("CRPS", [](const S& s) { return s.crps.mean(); });
-  if (has_noise) add("CRPS with noise", [](const S& s) { return s.noisy_crps.mean(); });
-  if (has_log_score) add("log score", [](const S& s) { return s.log_score.mean(); });
-  for (const double level : {0.5, 0.9}) {
-    const Index row = std::ranges::find(kBandLevels, level) - kBandLevels.begin();
-    const std::string bands = fmt::format("{:.0f} % bands cover", 100.0 * level);
-    add(bands, [row](const S& s) { return s.coverage.row(row).mean(); });
-    if (!has_noise) continue;
-    add(bands + ", with noise", [row](const S& s) { return s.noisy_coverage.row(row).mean(); });
-  }
-  Index c = 0;
-  for (const Channel& channel : data.info.state_channels) {
-    add("CRPS of " + channel.label, [c](const S& s) { return s.crps(c); });
-    ++c;
-  }
-}
-
-std::vector<ScoreRow> score_rows(const ReportData& data) {
+// The rollouts that were seen, left out and held out.
+std::vector<Part> parts_of(const ReportData& data) {
   const auto of_run = [](std::optional<PredictionScores> RolloutScores::*scores) {
     return [scores](const EvaluatedRun& run) { return Scores{&*(run.evaluation.scores.*scores)}; };
   };
@@ -76,44 +122,31 @@ std::vector<ScoreRow> score_rows(const ReportData& data) {
     }
     return scores;
   };
-  std::vector<ScoreRow> rows;
-  add_part(data, {"", of_run(&RolloutScores::seen), &RolloutScores::seen}, rows);
-  if (!data.folds.empty()) add_part(data, {", left out", of_folds, nullptr}, rows);
+  std::vector<Part> parts = {{"", of_run(&RolloutScores::seen), &RolloutScores::seen}};
+  if (!data.folds.empty()) parts.push_back({", left out", of_folds, nullptr});
   if (data.held_out) {
-    add_part(data, {", held out", of_run(&RolloutScores::held_out), &RolloutScores::held_out},
-             rows);
+    parts.push_back({", held out", of_run(&RolloutScores::held_out), &RolloutScores::held_out});
   }
-  return rows;
+  return parts;
 }
 
-std::string caption_of_scores(const ReportData& data) {
-  std::string text =
-      "How well posterior samples predict the stored states together, and how sure one can be of "
-      "it: mean over channels, mean and standard deviation over seeds. CRPS: continuous ranked "
-      "probability score over the channel's largest recorded magnitude, smaller is better; log "
-      "score: of the density with noise of a state, over the same [nats], larger is better; bands: "
-      "share of the recorded states that they hold, best as much as they are called.";
-  text += noiseless_bands_text(data.plan.study);
-  if (data.folds.empty()) return text;
-  return text + fmt::format(
-                    " Left out: {} times the method was repeated without a part of the rollouts, "
-                    "to predict that part; mean over the parts.",
-                    data.plan.study.evaluate.leave_out);
-}
-
-}  // namespace
-
-/// Scores of predictions by the samples of a posterior together, of the prior and of single
-/// parameter vectors.
-std::optional<Table> scores_table(const ReportData& data) {
-  if (!has_rollout_scores(data)) return std::nullopt;
-  TableOf<ScoreRow> table{.caption = caption_of_scores(data),
-                          .row_header = "Score",
-                          .rows = score_rows(data),
-                          .label = &ScoreRow::label};
-  table.add_each(data.methods, [&](const std::string& method, const ScoreRow& row) {
-    return row.of_runs(data.runs_of(method));
-  });
+// The scores of every part that `scores_of` chooses.
+Table table_of_scores(const ReportData& data, std::string caption,
+                      std::vector<Score> (*scores_of)(const ReportData&, const Part&)) {
+  std::vector<ScoreRow> rows;
+  for (const Part& part : parts_of(data)) {
+    for (const Score& score : scores_of(data, part)) rows.push_back({part, score});
+  }
+  TableOf<ScoreRow> table{
+      .caption = std::move(caption),
+      .row_header = "Score",
+      .rows = std::move(rows),
+      .label = [](const ScoreRow& row) { return row.score.name + row.part.where; },
+      .ideal = [](const ScoreRow& row) { return row.score.ideal; }};
+  for (const std::string& method : data.methods) {
+    table.add_compared(
+        method, [runs = data.runs_of(method)](const ScoreRow& row) { return row.of_runs(runs); });
+  }
   if (data.baseline.prior) {
     table.add("prior",
               [&](const ScoreRow& row) { return row.of_baseline(data.baseline.prior->scores); });
@@ -122,6 +155,46 @@ std::optional<Table> scores_table(const ReportData& data) {
     table.add(point.name, [&](const ScoreRow& row) { return row.of_baseline(point.scores); });
   }
   return table.make();
+}
+
+std::string words_on_parts(const ReportData& data) {
+  if (data.folds.empty()) return "";
+  return fmt::format(
+      " Left out: the rollouts are divided into {} parts, and each part is predicted by a "
+      "posterior "
+      "that has not seen this part. Left-out scores are means over the parts.",
+      data.plan.study.evaluate.leave_out);
+}
+
+}  // namespace
+
+/// Scores of predictions by the samples of a posterior together, of the prior and of single
+/// parameter vectors: of states as they are observed, mean over channels.
+std::optional<Table> scores_table(const ReportData& data) {
+  if (!has_rollout_scores(data)) return std::nullopt;
+  std::string caption =
+      "How well the samples of a posterior together predict the stored states. Scores are means "
+      "over channels, with mean and standard deviation over seeds. The CRPS (continuous ranked "
+      "probability score) "
+      "is an error in units of the channel's largest recorded magnitude. A smaller CRPS is better. "
+      "A 90 % band should contain 90 % of the recorded states.";
+  if (is_noisy(data)) caption += " With noise: the observation noise is added to predictions.";
+  if (has_log_score(data, parts_of(data).front())) {
+    caption +=
+        " The log score is the log density of the recorded states in the same units [nats]. A "
+        "larger log score is better.";
+  }
+  return table_of_scores(data, caption + words_on_parts(data), main_scores);
+}
+
+/// The same with other bands, without noise, and channel by channel.
+std::optional<Table> scores_details_table(const ReportData& data) {
+  if (!has_rollout_scores(data)) return std::nullopt;
+  return table_of_scores(data,
+                         "Further scores of the same predictions, and the CRPS of each channel. A "
+                         "50 % band should contain 50 % of the recorded states." +
+                             noiseless_bands_text(data.plan.study) + words_on_parts(data),
+                         further_scores);
 }
 
 }  // namespace npdr::pipeline

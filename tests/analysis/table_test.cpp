@@ -121,6 +121,69 @@ TEST(Table, AsHtmlBreaksLongTextsIntoLinesAndCanBeFolded) {
   EXPECT_EQ(markup_error(html), "");
 }
 
+// One row of these cells, all of them compared but the last.
+Table compared(const std::vector<Cell>& cells, std::optional<double> ideal) {
+  Table table;
+  table.name = "compared";
+  table.columns.assign(cells.size(), "A");
+  table.rows = {{"row", cells, "", ideal}};
+  for (std::size_t c = 0; c + 1 < cells.size(); ++c) table.compared.push_back(c);
+  return table;
+}
+
+std::vector<std::size_t> best_columns(const std::vector<Cell>& cells, std::optional<double> ideal) {
+  const Table table = compared(cells, ideal);
+  const std::vector<bool> best = table.best_of(table.rows.front());
+  std::vector<std::size_t> columns;
+  for (std::size_t c = 0; c < best.size(); ++c) {
+    if (best[c]) columns.push_back(c);
+  }
+  return columns;
+}
+
+TEST(Table, KnowsTheBestOfTheColumnsThatItCompares) {
+  using Columns = std::vector<std::size_t>;
+  const std::vector<Cell> cells = {MeanStd{0.8, 0.01}, MeanStd{0.93, 0.01}, MeanStd{1.0, 0.0}, 0.5};
+  EXPECT_EQ(best_columns(cells, -kInfinity), Columns{0}) << "the last one doesn't compete";
+  EXPECT_EQ(best_columns(cells, kInfinity), Columns{2});
+  EXPECT_EQ(best_columns(cells, 0.9), Columns{1});
+  EXPECT_EQ(best_columns(cells, std::nullopt), Columns{});
+  EXPECT_EQ(best_columns({MeanStd{0.8, 0.01}, 0.5}, -kInfinity), Columns{}) << "one alone";
+  EXPECT_EQ(best_columns({"-inf", MeanStd{-3.0, kNaN}, {}, MeanStd{kNaN, kNaN}, 1.0}, kInfinity),
+            Columns{1})
+      << "of those that are numbers";
+  EXPECT_EQ(best_columns({Index{7}, Index{3}, 3.0, 1.0}, -kInfinity), (Columns{1, 2}));
+}
+
+TEST(Table, TheBestTieInTheDigitsThatAreShown) {
+  using Columns = std::vector<std::size_t>;
+  // 0.263 ± 0.010 and 0.2634 ± 0.0002; 0.264 ± 0.010
+  EXPECT_EQ(
+      best_columns({MeanStd{0.2632, 0.01}, MeanStd{0.2634, 0.0002}, MeanStd{0.2641, 0.01}, 1.0},
+                   -kInfinity),
+      (Columns{0, 1}));
+  EXPECT_EQ(best_columns({MeanStd{0.2632, 0.0002}, MeanStd{0.2634, 0.0002}, 1.0}, 0.0), Columns{0});
+  EXPECT_EQ(best_columns({MeanStd{0.88, kNaN}, MeanStd{0.92, kNaN}, 1.0}, 0.9), (Columns{0, 1}))
+      << "on both sides";
+  EXPECT_EQ(best_columns({MeanStd{1071.2, 31.0}, MeanStd{1068.0, 40.0}, 1.0}, 0.0), (Columns{0, 1}))
+      << "[1.07 ± 0.03]e+3 both";
+}
+
+TEST(Table, ShowsTheBestBoldButInCsv) {
+  Table table = compared({MeanStd{0.25, 0.01}, MeanStd{0.5, 0.01}, MeanStd{0.1, 0.01}}, -kInfinity);
+  table.rows[0].cells[0].notes = table.footnotes = {"note"};
+  EXPECT_TRUE(has(to_markdown(table), "| row | **0.250 ± 0.010** (a) | 0.500 ± 0.010 |"));
+  EXPECT_TRUE(has(to_html(table), "<b>0.250 ± 0.010</b><sup>a</sup></td>"));
+  EXPECT_EQ(markup_error(to_html(table)), "");
+  EXPECT_TRUE(has(to_latex(table), "row & \\boldmath$0.250$ & \\boldmath${}\\pm 0.010$"));
+  EXPECT_EQ(count_of(to_latex(table), "boldmath"), 2);
+  Table plain = table;
+  plain.compared.clear();
+  EXPECT_EQ(to_csv(table), to_csv(plain));
+  table.rows[0].cells[0] = MeanStd{0.00025, 0.00001};
+  EXPECT_TRUE(has(to_latex(table), "& \\boldmath$[2.50 \\pm 0.10]")) << "not split at its sign";
+}
+
 // Unlike a number, a count is never rounded.
 TEST(Table, WritesCountsFlushRightAndInFull) {
   Table table;
@@ -163,6 +226,9 @@ TEST(Table, RejectsRaggedRowsLooseNotesAndNamesThatAreNoFileNames) {
   table = table_a2();
   table.name = "../table";
   EXPECT_THROW(table.check(), InputError);
+  table = table_a2();
+  table.compared = {0, 3};
+  EXPECT_THROW(table.check(), ShapeError);
 }
 
 }  // namespace

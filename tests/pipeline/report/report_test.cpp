@@ -119,6 +119,24 @@ TEST(ReportTables, HaveNamesOfTheirOwn) {
   EXPECT_TRUE(names.contains("fit"));
 }
 
+TEST(ReportTables, KnowTheBestValueOfAMetric) {
+  EXPECT_EQ(ideal_of("goal"), 1.0);
+  EXPECT_EQ(ideal_of("held_out_goal"), 1.0);
+  EXPECT_EQ(ideal_of("held_out_rmse"), 0.0);
+  TableOf<double> table{.caption = "",
+                        .row_header = "",
+                        .rows = {2.0},
+                        .label = [](double) { return "row"; },
+                        .ideal = [](double) { return 0.0; }};
+  table.add_compared("A", [](double x) { return Cell(x); });
+  EXPECT_TRUE(table.make().footnotes.empty()) << "nothing to compare with";
+  table.add("prior", [](double x) { return Cell(x - 1.0); });
+  table.add_compared("B", [](double x) { return Cell(x + 1.0); });
+  const Table made = table.make();
+  EXPECT_EQ(made.best_of(made.rows.front()), (std::vector<bool>{true, false, false}));
+  EXPECT_EQ(made.footnotes, std::vector<std::string>{"Bold: the best method of a row"});
+}
+
 TEST(Reports, SayWhatTwoKindsOfNetworksHaveToDoWithTheDefault) {
   const Study study = plan_of({"method.\"NPDR (MoG)\".algorithm='npe_c'"}).study;
   EXPECT_EQ(pooling_text(study).find("NPDR (MAF) combines two kinds of neural networks"), 0u);

@@ -76,21 +76,31 @@ TEST_F(SmallStages, PredictionsOfFoldsAndBaselinesAreScored) {
   run_stage(plan, plan.node(Stage::baseline, {}));
   const ReportData data = read_report_data(plan, plan.node(Stage::report, {}));
   ASSERT_EQ(data.folds.size(), 4u) << "two of each method";
-  const analysis::Table table = scores_table(data).value();
+  const analysis::Table table = scores_table(data).value(),
+                        details = scores_details_table(data).value();
   EXPECT_EQ(table.columns, (std::vector<std::string>{"A", "B", "prior", "nominal", "truth"}));
-  const auto row = [&](const std::string& label) {
-    return std::ranges::find(table.rows, label, &analysis::Row::label)->cells;
+  EXPECT_EQ(table.columns, details.columns);
+  EXPECT_EQ(table.compared, (std::vector<std::size_t>{0, 1})) << "of methods alone";
+  EXPECT_EQ(table.rows.size(), 2u * 3u) << "of seen and left-out rollouts";
+  const auto row = [](const analysis::Table& of, const std::string& label) {
+    return std::ranges::find(of.rows, label, &analysis::Row::label)->cells;
   };
   double left_out = 0.0;
   for (const EvaluatedRun* fold : data.folds_of({.method = "A", .seed = 1})) {
     left_out += fold->evaluation.scores.held_out->crps.mean() / 2.0;
   }
-  EXPECT_DOUBLE_EQ(number_of(row("CRPS, left out")[0]), left_out);
-  EXPECT_NE(number_of(row("CRPS")[0]), left_out);
-  EXPECT_LT(number_of(row("CRPS")[4]), 1e-6) << "the truth, without noise";
+  EXPECT_DOUBLE_EQ(number_of(row(details, "CRPS, left out")[0]), left_out);
+  EXPECT_NE(number_of(row(details, "CRPS")[0]), left_out);
+  EXPECT_LT(number_of(row(details, "CRPS")[4]), 1e-6) << "the truth, without noise";
   // 0.1 / sqrt(pi), from some hundred errors: a standard error of 0.004 at most, tolerance of five.
-  EXPECT_NEAR(number_of(row("CRPS with noise")[4]), 0.0564, 0.02);
-  EXPECT_EQ(number_of(row("90 % bands cover")[3]), 0.0) << "a point, not a band";
+  EXPECT_NEAR(number_of(row(table, "CRPS with noise")[4]), 0.0564, 0.02);
+  EXPECT_EQ(number_of(row(details, "90 % bands cover")[3]), 0.0) << "a point, not a band";
+  for (const analysis::Row& score : table.rows) {
+    EXPECT_EQ(score.ideal, score.label.starts_with("CRPS")        ? -kInfinity
+                           : score.label.starts_with("log score") ? kInfinity
+                                                                  : 0.9)
+        << score.label;
+  }
 }
 
 // The noise of the states that a node sees of the target, (H, K C), over their amplitude.
