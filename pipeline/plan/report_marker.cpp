@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "pipeline/config/check.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/store/hostile_json.h"
 
@@ -28,6 +29,49 @@ nlohmann::ordered_json marker_of(const Node& report) {
 // Names of files needn't be UTF-8, which JSON must be.
 std::string shown_name(const std::filesystem::path& study) {
   return printable_line(study.filename().string());
+}
+
+nlohmann::ordered_json json_of(const Findings& reasons) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Finding& reason : reasons) {
+    json.push_back({{"check", reason.where},
+                    {"id", reason.id},
+                    {"severity", name_of(reason.severity)},
+                    {"what", reason.what},
+                    {"evidence", reason.evidence},
+                    {"advice", reason.advice}});
+  }
+  return json;
+}
+
+Findings reasons_of(const nlohmann::ordered_json& json) {
+  Findings reasons;
+  for (const auto& reason : json) {
+    const auto severity = value_named<Severity>(reason.at("severity").get<std::string>());
+    reasons.push_back({.id = reason.at("id"),
+                       .severity = severity.value_or(Severity::wrong),
+                       .where = reason.at("check"),
+                       .what = reason.at("what"),
+                       .evidence = reason.at("evidence"),
+                       .advice = reason.at("advice")});
+  }
+  return reasons;
+}
+
+// What checks of these titles refute: "parameters and error bars".
+std::string refuted_by(const std::vector<std::string>& titles) {
+  Refuted all;
+  for (const CheckTraits& check : enum_table(Check{})) {
+    if (std::ranges::count(titles, check.title) == 0) continue;
+    all.parameters |= check.refutes.parameters;
+    all.error_bars |= check.refutes.error_bars;
+    all.predictions |= check.refutes.predictions;
+  }
+  std::vector<std::string> names = {all.parameters ? "parameters" : "",
+                                    all.error_bars ? "error bars" : "",
+                                    all.predictions ? "predictions" : ""};
+  std::erase(names, "");
+  return listed(names);
 }
 
 }  // namespace
@@ -58,7 +102,7 @@ void mark_report(const Node& node, const std::filesystem::path& study,
                         {"failed", summary.failed},
                         {"unknown", summary.unknown},
                         {"unchecked", summary.unchecked},
-                        {"reasons", summary.reasons}});
+                        {"reasons", json_of(summary.reasons)}});
   }
   const nlohmann::ordered_json json = {{"key", node.key},
                                        {"revision", git_revision()},
@@ -78,7 +122,8 @@ std::vector<CheckSummary> read_check_summaries(const Node& node) {
   try {
     for (const auto& verdict : marker.at("checks")) {
       summaries.push_back({verdict.at("method"), verdict.at("num_checks"), verdict.at("failed"),
-                           verdict.at("unknown"), verdict.at("unchecked"), verdict.at("reasons")});
+                           verdict.at("unknown"), verdict.at("unchecked"),
+                           reasons_of(verdict.at("reasons"))});
     }
   } catch (const nlohmann::ordered_json::exception&) {
     throw InputError(node.path.string() + ": is damaged; remove it and run the study again");
@@ -119,6 +164,22 @@ std::string words_of(const CheckSummary& summary) {
   if (!summary.unknown.empty()) text += "; can't tell: " + join(summary.unknown);
   if (!summary.unchecked.empty()) text += "; not checked: " + join(summary.unchecked);
   return text;
+}
+
+std::string trust_of(const CheckSummary& summary) {
+  if (!summary.failed.empty())
+    return fmt::format("Don't trust its {}.", refuted_by(summary.failed));
+  if (!summary.unknown.empty()) {
+    return fmt::format("Too little is known to trust its {}.", refuted_by(summary.unknown));
+  }
+  return summary.num_checks == 0 ? ""
+                                 : "Trust its parameters and error bars within this simulator.";
+}
+
+std::string advice_of(const CheckSummary& summary) {
+  const auto first = std::ranges::find_if(
+      summary.reasons, [](const Finding& reason) { return !reason.advice.empty(); });
+  return first == summary.reasons.end() ? "" : first->advice;
 }
 
 Findings find_replaced_report(const Plan& plan) {

@@ -1,0 +1,116 @@
+// Pressure of samples against the ends of the prior.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/normal.h"
+#include "inference/diagnostics/bound_pressure.h"
+#include "pipeline/findings/findings.h"
+#include "pipeline/findings/probe.h"
+
+namespace npdr::pipeline {
+namespace {
+
+// The atomic loss compares densities at parameters that were simulated, and sees no others.
+bool may_leak(const MethodConfig& method) {
+  const inference::AlgorithmConfig& algorithm = method.algorithm;
+  return algorithm.kind == inference::Algorithm::npe_c && algorithm.num_rounds > 1 &&
+         !algorithm.combined_loss &&
+         !inference::is_analytic(algorithm, method.density_estimator.kind);
+}
+
+// Whether nothing lies beyond an end: the study says so, or the simulator's own limit is as near as
+// the test tells values apart. 0 is no end of a parameter over decades, and limits of an angle are
+// none: beyond lies its other end.
+bool is_physical(const PressedBound& bound, const inference::Marginal& marginal,
+                 const sim::Parameter& parameter) {
+  using enum inference::PhysicalEnds;
+  if (marginal.physical == both || marginal.physical == (bound.is_lower ? lower : upper)) {
+    return true;
+  }
+  if (parameter.period > 0.0) return false;
+  const auto place = [&](double value) { return marginal.is_log() ? std::log(value) : value; };
+  const double limit = bound.is_lower ? parameter.lower : parameter.upper;
+  return std::abs(place(bound.value) - place(limit)) <=
+         inference::BoundPressure::kGap * (place(marginal.upper()) - place(marginal.lower()));
+}
+
+// Ends that samples press against.
+struct Pressure {
+  std::vector<std::string> places = {};  ///< "pole_mass = 0.3 kg"
+  std::set<const EvaluatedRun*> runs = {};
+  double largest_share = 0.0;
+  bool leaks = false;
+
+  void add(const EvaluatedRun& run, const PressedBound& bound, bool has_leaked) {
+    runs.insert(&run);
+    largest_share = std::max(largest_share, bound.share);
+    leaks |= has_leaked;
+  }
+
+  std::string evidence() const {
+    using inference::BoundPressure;
+    // Elsewhere they all lie near it, or leak beyond where others do.
+    if (largest_share <= BoundPressure::kPressingShare) return "samples lie close to it";
+    return fmt::format("{:.0f} % of the samples lie there (fine up to {:.0f} %)",
+                       100.0 * largest_share, 100.0 * BoundPressure::kPressingShare);
+  }
+};
+
+}  // namespace
+
+std::vector<PressedBound> pressed_bounds(const inference::Marginal& marginal,
+                                         const Vector& samples) {
+  if (marginal.is_unbounded()) return {};
+  const Vector v = inference::Prior({marginal}).to_normal(samples).col(0).unaryExpr(&normal_cdf);
+  const inference::BoundPressure found = inference::test_bounds(v);
+  std::vector<PressedBound> pressed;
+  if (found.presses_lower()) {
+    pressed.push_back({marginal.lower(), true, found.leaks_lower(), found.lower});
+  }
+  if (found.presses_upper()) {
+    pressed.push_back({marginal.upper(), false, found.leaks_upper(), found.upper});
+  }
+  return pressed;
+}
+
+template <>
+Findings judge<Check::bounds>(const MethodResults& m) {
+  if (m.has_too_few_samples()) return {too_few_samples(m.runs.front()->evaluation.theta.rows())};
+  Pressure faults, physical;
+  for (const Index d : m.inferred()) {
+    const inference::Marginal& marginal = m.data.marginal(d);
+    const double period = m.data.period_of(d);
+    // Of an angle over all of its period both ends may hold samples.
+    if (period > 0.0 && marginal.b - marginal.a >= 0.999 * period) continue;
+    std::map<double, bool> bounds;  // of all seeds, and whether they are faults
+    for (const EvaluatedRun* run : m.runs) {
+      for (const PressedBound& bound : pressed_bounds(marginal, run->evaluation.theta.col(d))) {
+        const bool has_leaked = bound.leaks && may_leak(m.method);
+        const bool is_fault = has_leaked || !is_physical(bound, marginal, m.data.parameter(d));
+        bounds[bound.value] |= is_fault;
+        (is_fault ? faults : physical).add(*run, bound, has_leaked);
+      }
+    }
+    for (const auto& [bound, is_fault] : bounds) {
+      const std::string unit = marginal.unit == "1" ? "" : " " + marginal.unit;
+      (is_fault ? faults : physical)
+          .places.push_back(fmt::format("{} = {:.4g}{}", marginal.name, bound, unit));
+    }
+  }
+  if (!faults.places.empty()) {
+    return {fails(
+        {.what = fmt::format("samples gather at an end of the prior, {}", listed(faults.places)),
+         .evidence = faults.evidence() + seeds_text(std::ssize(faults.runs), m.runs.size()),
+         .advice = faults.leaks ? "Set combined_loss = true" : "Widen the prior there"})};
+  }
+  if (physical.places.empty()) return {passes({})};
+  return {passes({.what = fmt::format("samples gather at a physical limit, which may be right, {}",
+                                      listed(physical.places)),
+                  .evidence = physical.evidence()})};
+}
+
+}  // namespace npdr::pipeline
