@@ -46,16 +46,11 @@ using WhyUnchecked = std::string(const Study& study, const MethodConfig& method)
 WhyUnchecked needs_simulator, needs_network, needs_simulations, needs_dataset, needs_predictions,
     needs_sampler, needs_likelihood, needs_rmse, needs_held_out;
 
-/// What of a posterior can't be trusted.
-struct Refuted {
-  bool parameters = false, error_bars = false, predictions = false;
-};
-
 /// What checks of a kind share.
 struct CheckKind {
   std::array<WhyUnchecked*, 2> needs = {};  ///< nullptr: nothing else
   CheckInput input = CheckInput::samples;
-  Refuted refutes = {.parameters = true, .error_bars = true};  ///< where it fails
+  std::string_view refutes = "parameters, error bars";  ///< can't be trusted where it fails
   bool has_p_value = false;
   bool is_of_some_methods = false;  ///< nothing is missing where it means nothing to a method
 };
@@ -74,9 +69,9 @@ constexpr auto enum_table(Check) {
   using enum CheckInput;
   constexpr CheckKind calibrates{.needs = {needs_simulator, needs_network},
                                  .input = calibration,
-                                 .refutes = {.error_bars = true},
+                                 .refutes = "error bars",
                                  .has_p_value = true};
-  constexpr Refuted all{.parameters = true, .error_bars = true, .predictions = true};
+  constexpr std::string_view all = "parameters, error bars, predictions";
   return std::to_array<CheckTraits>({
       {{sbc, "sbc"},
        calibrates,
@@ -97,7 +92,7 @@ constexpr auto enum_table(Check) {
       {{predictive, "predictive"},
        {.needs = {needs_simulator, needs_predictions},
         .input = posterior,
-        .refutes = {.parameters = true, .predictions = true},
+        .refutes = "parameters, predictions",
         .has_p_value = true},
        "Posterior predictive",
        "do posterior samples predict what was observed?"},
@@ -118,11 +113,11 @@ constexpr auto enum_table(Check) {
        "Sampling",
        "do its chains agree, or enough of its weighted draws count?"},
       {{residuals, "residuals"},
-       {.needs = {needs_likelihood}, .refutes = {.error_bars = true}, .is_of_some_methods = true},
+       {.needs = {needs_likelihood}, .refutes = "error bars", .is_of_some_methods = true},
        "Residuals",
        "does a refinement leave of the recording what its noise model says?"},
       {{bounds, "bounds"},
-       {.refutes = {.parameters = true}},
+       {.refutes = "parameters"},
        "Bounds of the prior",
        "does the posterior press against the prior's bounds?"},
       {{contraction, "contraction"},
@@ -135,8 +130,7 @@ constexpr auto enum_table(Check) {
        "is the samples' RMSE near the smallest that can be reached, and of hardly any as large as "
        "the prior's?"},
       {{held_out, "held_out"},
-       {.needs = {needs_simulator, needs_held_out},
-        .refutes = {.error_bars = true, .predictions = true}},
+       {.needs = {needs_simulator, needs_held_out}, .refutes = "error bars, predictions"},
        "Held-out rollouts",
        "do bands of predictions hold rollouts that inference hasn't seen?"},
       {{dataset, "dataset"},

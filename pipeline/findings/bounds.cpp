@@ -38,27 +38,14 @@ bool is_physical(const PressedBound& bound, const inference::Marginal& marginal,
          inference::BoundPressure::kGap * (place(marginal.upper()) - place(marginal.lower()));
 }
 
-// Ends that samples press against.
-struct Pressure {
-  std::vector<std::string> places = {};  ///< "pole_mass = 0.3 kg"
-  std::set<const EvaluatedRun*> runs = {};
-  double largest_share = 0.0;
-  bool leaks = false;
-
-  void add(const EvaluatedRun& run, const PressedBound& bound, bool has_leaked) {
-    runs.insert(&run);
-    largest_share = std::max(largest_share, bound.share);
-    leaks |= has_leaked;
-  }
-
-  std::string evidence() const {
-    using inference::BoundPressure;
-    // Elsewhere they all lie near it, or leak beyond where others do.
-    if (largest_share <= BoundPressure::kPressingShare) return "samples lie close to it";
-    return fmt::format("{:.0f} % of the samples lie there (fine up to {:.0f} %)",
-                       100.0 * largest_share, 100.0 * BoundPressure::kPressingShare);
-  }
-};
+// `share`: of samples, the largest at any end. Elsewhere they all lie near it, or leak beyond where
+// others do.
+std::string share_at_end(double share) {
+  using inference::BoundPressure;
+  if (share <= BoundPressure::kPressingShare) return "samples lie close to it";
+  return fmt::format("{:.0f} % of the samples lie there (fine up to {:.0f} %)", 100.0 * share,
+                     100.0 * BoundPressure::kPressingShare);
+}
 
 }  // namespace
 
@@ -80,7 +67,10 @@ std::vector<PressedBound> pressed_bounds(const inference::Marginal& marginal,
 template <>
 Findings judge<Check::bounds>(const MethodResults& m) {
   if (m.has_too_few_samples()) return {too_few_samples(m.runs.front()->evaluation.theta.rows())};
-  Pressure faults, physical;
+  std::vector<std::string> faults, physical;
+  std::set<const EvaluatedRun*> failed;
+  bool leaks = false;
+  double share = 0.0;
   for (const Index d : m.inferred()) {
     const inference::Marginal& marginal = m.data.marginal(d);
     const double period = m.data.period_of(d);
@@ -92,25 +82,26 @@ Findings judge<Check::bounds>(const MethodResults& m) {
         const bool has_leaked = bound.leaks && may_leak(m.method);
         const bool is_fault = has_leaked || !is_physical(bound, marginal, m.data.parameter(d));
         bounds[bound.value] |= is_fault;
-        (is_fault ? faults : physical).add(*run, bound, has_leaked);
+        leaks |= has_leaked;
+        share = std::max(share, bound.share);
+        if (is_fault) failed.insert(run);
       }
     }
     for (const auto& [bound, is_fault] : bounds) {
       const std::string unit = marginal.unit == "1" ? "" : " " + marginal.unit;
       (is_fault ? faults : physical)
-          .places.push_back(fmt::format("{} = {:.4g}{}", marginal.name, bound, unit));
+          .push_back(fmt::format("{} = {:.4g}{}", marginal.name, bound, unit));
     }
   }
-  if (!faults.places.empty()) {
-    return {fails(
-        {.what = fmt::format("samples gather at an end of the prior, {}", listed(faults.places)),
-         .evidence = faults.evidence() + seeds_text(std::ssize(faults.runs), m.runs.size()),
-         .advice = faults.leaks ? "Set combined_loss = true" : "Widen the prior there"})};
+  if (!faults.empty()) {
+    return {fails({.what = "samples gather at an end of the prior, " + listed(faults),
+                   .evidence = share_at_end(share) + seeds_text(std::ssize(failed), m.runs.size()),
+                   .advice = leaks ? "Set combined_loss = true" : "Widen the prior there"})};
   }
-  if (physical.places.empty()) return {passes({})};
-  return {passes({.what = fmt::format("samples gather at a physical limit, which may be right, {}",
-                                      listed(physical.places)),
-                  .evidence = physical.evidence()})};
+  if (physical.empty()) return {passes({})};
+  return {
+      passes({.what = "samples gather at a physical limit, which may be right, " + listed(physical),
+              .evidence = share_at_end(share)})};
 }
 
 }  // namespace npdr::pipeline

@@ -161,25 +161,6 @@ double distance_of_methods(const MethodResults& a, const MethodResults& b, Index
   return std::abs(difference) / std::sqrt(mine.variances.mean() + other.variances.mean());
 }
 
-// Another method's values of a parameter, far from this one's.
-struct Contradiction {
-  double distance = 0.0;
-  std::string words = {};  ///< "NPE another damping"
-};
-
-// The parameter about which another method is farthest, where that is far. Of one that takes
-// parameters as known which the other infers, the rest may differ.
-Contradiction contradiction(const MethodResults& m, const MethodResults& other, double most) {
-  Contradiction found{.distance = most};
-  if (other.has_outer_loop() || m.inferred() != other.inferred()) return found;
-  for (Index d = 0; d < std::ssize(m.study.prior); ++d) {
-    const double distance = distance_of_methods(m, other, d);
-    if (!(distance > found.distance)) continue;
-    found = {distance, fmt::format("{} another {}", other.method.name, m.data.marginal(d).name)};
-  }
-  return found;
-}
-
 std::string distance_text(double distance, double most) {
   return fmt::format("{:.1f} times the error bars (fine up to {:.1f})", distance, most);
 }
@@ -205,60 +186,42 @@ Findings find_contradicting_seeds(const MethodResults& m) {
 }
 
 // Which other methods of the study are far from this one, each with the parameter about which it is
-// farthest.
+// farthest. Of one that takes parameters as known which the other infers, the rest may differ.
 Findings find_contradicting_methods(const MethodResults& m) {
   constexpr double most = 3.0;
-  if (m.has_outer_loop()) return {};
+  const std::vector<Index> inferred = m.inferred();
   std::vector<std::string> others;
   double largest = 0.0;
-  for (const std::string& other : m.data.methods) {
-    if (other == m.method.name) continue;
-    const Contradiction found = contradiction(m, {m.data, other}, most);
-    if (found.words.empty()) continue;
-    others.push_back(found.words);
-    largest = std::max(largest, found.distance);
+  for (const std::string& name : m.data.methods) {
+    const MethodResults other(m.data, name);
+    if (m.has_outer_loop() || other.has_outer_loop() || inferred != other.inferred()) continue;
+    const Vector distances =
+        each(inferred, [&](Index d) { return distance_of_methods(m, other, d); });
+    Index farthest = 0;
+    const double distance = distances.maxCoeff(&farthest);
+    if (!(distance > most)) continue;
+    const Index d = inferred[static_cast<std::size_t>(farthest)];
+    others.push_back(fmt::format("{} another {}", name, m.data.marginal(d).name));
+    largest = std::max(largest, distance);
   }
   if (others.empty()) return {};
   const bool can_hold_out = (m.study.source().gives_motion && m.data.target.num_rollouts() > 1) ||
                             m.data.held_out || !m.data.folds.empty();
   return {passes({.id = "methods",
-                  .what = fmt::format("other methods contradict this one, {}", listed(others)),
+                  .what = fmt::format("other methods find other values, {}", listed(others)),
                   .evidence = "means differ by " + distance_text(largest, most),
                   .advice = can_hold_out ? "Use the method that predicts held-out rollouts best"
                                          : advice_to_learn(m)})};
 }
 
-// Parameters whose samples look like the prior's, and how much the others contract at most.
-struct Unchanged {
-  std::vector<std::string> parameters = {};
-  double largest_of_these = 0.0;
-  double largest = 0.0;  ///< contraction of any parameter
-};
-
 // A parameter that contracts by less is told from the prior by the shape of its samples alone.
 constexpr double kLeastContraction = 0.1;
-
-Unchanged unchanged_parameters(const MethodResults& m) {
-  Unchanged found;
-  for (const Index d : m.inferred()) {
-    const double mean = contraction(m.data, m.method.name, d).mean();
-    found.largest = std::max(found.largest, mean);
-    if (mean >= kLeastContraction || !looks_like_prior(m, d)) continue;
-    found.parameters.push_back(m.data.marginal(d).name);
-    found.largest_of_these = std::max(found.largest_of_these, mean);
-  }
-  return found;
-}
 
 std::string advice_to_observe(const MethodResults& m, const std::vector<std::string>& parameters) {
   return fmt::format(
       "{} on {}",
       m.study.source().gives_motion ? "Record motion that depends" : "Add a feature that depends",
       listed(parameters));
-}
-
-std::string contraction_text(double value) {
-  return fmt::format("{:.2g} (the prior's: 0, told from {:.2g} on)", value, kLeastContraction);
 }
 
 }  // namespace
@@ -274,24 +237,32 @@ Vector contraction(const ReportData& data, const std::string& method, Index d) {
 template <>
 Findings judge<Check::contraction>(const MethodResults& m) {
   if (m.has_too_few_samples()) return {too_few_samples(m.runs.front()->evaluation.theta.rows())};
-  const Unchanged unchanged = unchanged_parameters(m);
-  if (unchanged.parameters.size() == m.inferred().size()) {
+  std::vector<std::string> unchanged;
+  double largest = 0.0;
+  for (const Index d : m.inferred()) {
+    const double mean = contraction(m.data, m.method.name, d).mean();
+    largest = std::max(largest, mean);
+    if (mean < kLeastContraction && looks_like_prior(m, d)) {
+      unchanged.push_back(m.data.marginal(d).name);
+    }
+  }
+  const std::string evidence = fmt::format("up to {:.3g} (of the prior: 0, at most 1)", largest);
+  if (unchanged.size() == m.inferred().size()) {
     return {fails({.id = "prior",
                    .what = "the posterior is the prior, so that nothing was learned",
-                   .evidence = contraction_text(unchanged.largest),
+                   .evidence = evidence,
                    .advice = !m.study.source().simulates
                                  ? "Check that rows of theta and x belong together"
                              : learns(m.method) ? advice_to_learn(m)
-                                                : advice_to_observe(m, unchanged.parameters)})};
+                                                : advice_to_observe(m, unchanged)})};
   }
-  Findings found = {passes(
-      {.evidence = fmt::format("up to {:.3g} (of the prior: 0, at most 1)", unchanged.largest)})};
-  if (!unchanged.parameters.empty()) {
+  Findings found = {passes({.evidence = evidence})};
+  if (!unchanged.empty()) {
     found.push_back(passes(
         {.id = "flat",
-         .what = fmt::format("the observation says little of {}", listed(unchanged.parameters)),
-         .evidence = contraction_text(unchanged.largest_of_these),
-         .advice = advice_to_observe(m, unchanged.parameters)}));
+         .what = fmt::format("the observation says little of {}", listed(unchanged)),
+         .evidence = fmt::format("contraction below {:.2g} (of the prior: 0)", kLeastContraction),
+         .advice = advice_to_observe(m, unchanged)}));
   }
   append(found, find_ridge(m));
   append(found, find_empty_region(m));

@@ -3,8 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <utility>
+#include <iterator>
 
 #include "core/constants.h"
 #include "inference/samplers/chain_diagnostics.h"
@@ -63,65 +62,41 @@ Findings remarks_on_power(const MethodResults& m, double power) {
                      : "Set refine.cross_validate = true"})};
 }
 
-// The certificates of all seeds.
-struct Certificates {
-  std::vector<std::string> faults = {};
-  Index failed = 0;
-  bool is_heavy = false;           ///< weights of some seed
-  bool needs_simulations = false;  ///< some seed, for another fault
-  inference::ImportanceCertificate worst = {.power = 1.0, .ess = kInfinity, .pareto_k = -kInfinity};
-  double largest_power = 0.0;
-  std::optional<inference::SearchCounts> searched = {};  ///< by all seeds
-
-  std::string powers() const {
-    const auto first = fmt::format("{:.2g}", worst.power);
-    const auto last = fmt::format("{:.2g}", largest_power);
-    if (!(worst.power < 1.0)) return "";
-    return ", power " + (first == last ? first : first + " to " + last);
-  }
-};
-
-void add_certificate(const MethodResults& m, const EvaluatedRun& run, Certificates& all) {
-  const inference::ImportanceCertificate& certificate = *run.notes.certificate;
-  const std::vector<std::string> its = faults_of(m, run);
-  for (const std::string& fault : its) {
-    if (std::ranges::count(all.faults, fault) == 0) all.faults.push_back(fault);
-  }
-  const bool is_heavy = has_heavy_weights(certificate);
-  all.failed += its.empty() ? 0 : 1;
-  all.is_heavy |= is_heavy;
-  all.needs_simulations |= std::ssize(inference::faults_of(certificate)) > (is_heavy ? 1 : 0);
-  all.worst.wanted_ess = std::max(all.worst.wanted_ess, certificate.wanted_ess);
-  all.worst.ess = std::min(all.worst.ess, certificate.ess);
-  all.worst.pareto_k = std::max(all.worst.pareto_k, certificate.pareto_k);
-  all.worst.power = std::min(all.worst.power, certificate.power);
-  all.largest_power = std::max(all.largest_power, certificate.power);
-  if (!certificate.searched) return;
-  inference::SearchCounts& sum = all.searched ? *all.searched : all.searched.emplace();
-  sum.num_started += certificate.searched->num_started;
-  sum.num_found += certificate.searched->num_found;
-}
-
 // Of refined posteriors: the certificates of their draws.
 Findings judge_certificates(const MethodResults& m) {
-  Certificates all;
-  for (const EvaluatedRun* run : m.runs) add_certificate(m, *run, all);
-  std::string size = all.is_heavy && !all.needs_simulations
-                         ? fmt::format("Pareto k {:.2g} (fine up to {:.2g})", all.worst.pareto_k,
-                                       inference::kLargestParetoK)
-                         : fmt::format("effective size {:.0f} (wanted: {:.0f})", all.worst.ess,
-                                       all.worst.wanted_ess);
-  size += all.powers();
-  if (const std::string search = words_of(all.searched); !search.empty()) size += ", " + search;
-  if (all.failed > 0) {
+  std::vector<std::string> faults;
+  Index failed = 0;
+  bool is_any_heavy = false, lacks_simulations = false;
+  double smallest = kInfinity, wanted = 0.0, heaviest = -kInfinity, power = 1.0;
+  for (const EvaluatedRun* run : m.runs) {
+    const inference::ImportanceCertificate& certificate = *run->notes.certificate;
+    const std::vector<std::string> its = faults_of(m, *run);
+    std::ranges::copy_if(its, std::back_inserter(faults), [&](const std::string& fault) {
+      return std::ranges::count(faults, fault) == 0;
+    });
+    const bool is_heavy = has_heavy_weights(certificate);
+    failed += its.empty() ? 0 : 1;
+    is_any_heavy |= is_heavy;
+    lacks_simulations |= std::ssize(inference::faults_of(certificate)) > (is_heavy ? 1 : 0);
+    smallest = std::min(smallest, certificate.ess);
+    wanted = std::max(wanted, certificate.wanted_ess);
+    heaviest = std::max(heaviest, certificate.pareto_k);
+    power = std::min(power, certificate.power);
+  }
+  std::string size =
+      is_any_heavy && !lacks_simulations
+          ? fmt::format("Pareto k {:.2g} (fine up to {:.2g})", heaviest, inference::kLargestParetoK)
+          : fmt::format("effective size {:.0f} (wanted: {:.0f})", smallest, wanted);
+  if (power < 1.0) size += fmt::format(", power {:.2g}", power);
+  if (failed > 0) {
     return {fails({.id = "certificate",
-                   .what = "the refinement's draws cannot be trusted: " + listed(all.faults),
-                   .evidence = size + seeds_text(all.failed, m.runs.size()),
-                   .advice = all.needs_simulations ? "Raise refine.max_simulations"
-                                                   : "Raise refine.level_size"})};
+                   .what = "the refinement's draws cannot be trusted: " + listed(faults),
+                   .evidence = size + seeds_text(failed, m.runs.size()),
+                   .advice = lacks_simulations ? "Raise refine.max_simulations"
+                                               : "Raise refine.level_size"})};
   }
   Findings found = {passes({.evidence = size})};
-  append(found, remarks_on_power(m, all.worst.power));
+  append(found, remarks_on_power(m, power));
   return found;
 }
 

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <ranges>
+#include <utility>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
@@ -31,46 +33,41 @@ std::string shown_name(const std::filesystem::path& study) {
   return printable_line(study.filename().string());
 }
 
+constexpr std::array<std::pair<const char*, std::string Finding::*>, 5> kTexts = {
+    {{"check", &Finding::where},
+     {"id", &Finding::id},
+     {"what", &Finding::what},
+     {"evidence", &Finding::evidence},
+     {"advice", &Finding::advice}}};
+
 nlohmann::ordered_json json_of(const Findings& reasons) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const Finding& reason : reasons) {
-    json.push_back({{"check", reason.where},
-                    {"id", reason.id},
-                    {"severity", name_of(reason.severity)},
-                    {"what", reason.what},
-                    {"evidence", reason.evidence},
-                    {"advice", reason.advice}});
+    auto& json = all.emplace_back() = {{"severity", name_of(reason.severity)}};
+    for (const auto& [key, text] : kTexts) json[key] = reason.*text;
   }
-  return json;
+  return all;
 }
 
-Findings reasons_of(const nlohmann::ordered_json& json) {
+Findings reasons_of(const nlohmann::ordered_json& all) {
   Findings reasons;
-  for (const auto& reason : json) {
-    const auto severity = value_named<Severity>(reason.at("severity").get<std::string>());
-    reasons.push_back({.id = reason.at("id"),
-                       .severity = severity.value_or(Severity::wrong),
-                       .where = reason.at("check"),
-                       .what = reason.at("what"),
-                       .evidence = reason.at("evidence"),
-                       .advice = reason.at("advice")});
+  for (const auto& json : all) {
+    const auto severity = value_named<Severity>(json.at("severity").get<std::string>());
+    Finding& reason = reasons.emplace_back(Finding{.severity = severity.value_or(Severity::wrong)});
+    for (const auto& [key, text] : kTexts) reason.*text = json.at(key);
   }
   return reasons;
 }
 
 // What checks of these titles refute: "parameters and error bars".
 std::string refuted_by(const std::vector<std::string>& titles) {
-  Refuted all;
-  for (const CheckTraits& check : enum_table(Check{})) {
-    if (std::ranges::count(titles, check.title) == 0) continue;
-    all.parameters |= check.refutes.parameters;
-    all.error_bars |= check.refutes.error_bars;
-    all.predictions |= check.refutes.predictions;
-  }
-  std::vector<std::string> names = {all.parameters ? "parameters" : "",
-                                    all.error_bars ? "error bars" : "",
-                                    all.predictions ? "predictions" : ""};
-  std::erase(names, "");
+  std::vector<std::string> names = {"parameters", "error bars", "predictions"};
+  std::erase_if(names, [&](const std::string& name) {
+    return std::ranges::none_of(enum_table(Check{}), [&](const CheckTraits& check) {
+      return std::ranges::count(titles, check.title) > 0 &&
+             check.refutes.find(name) != std::string_view::npos;
+    });
+  });
   return listed(names);
 }
 
@@ -174,12 +171,6 @@ std::string trust_of(const CheckSummary& summary) {
   }
   return summary.num_checks == 0 ? ""
                                  : "Trust its parameters and error bars within this simulator.";
-}
-
-std::string advice_of(const CheckSummary& summary) {
-  const auto first = std::ranges::find_if(
-      summary.reasons, [](const Finding& reason) { return !reason.advice.empty(); });
-  return first == summary.reasons.end() ? "" : first->advice;
 }
 
 Findings find_replaced_report(const Plan& plan) {

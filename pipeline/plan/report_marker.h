@@ -22,9 +22,8 @@ struct CheckSummary {
 std::string words_of(const CheckSummary& summary);
 
 /// "Don't trust the error bars.", of what the checks that fail refute, then of those that can't
-/// tell; "" where there are none. And the first advice, "" without any.
+/// tell; "" where there are none.
 std::string trust_of(const CheckSummary& summary);
-std::string advice_of(const CheckSummary& summary);
 
 /// The key is the plan's, this build made the report, whose verdicts another one may find
 /// otherwise, and all files of it are there.
