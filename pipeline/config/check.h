@@ -1,5 +1,5 @@
-/// Checks that posteriors are put to: the one table of their names, of what each asks, and of the
-/// methods that it means something to. What each says of results is judge() of
+/// Checks that posteriors are put to: the one table of their names, of what each asks and refutes,
+/// and of the methods that it means something to. What each says of results is judge() of
 /// pipeline/findings/probe.h.
 #pragma once
 

@@ -38,11 +38,11 @@ bool is_physical(const PressedBound& bound, const inference::Marginal& marginal,
          inference::BoundPressure::kGap * (place(marginal.upper()) - place(marginal.lower()));
 }
 
-// `share`: of samples, the largest at any end. Elsewhere they all lie near it, or leak beyond where
-// others do.
+// `share`: of samples, the largest at any end. Where that is small, samples all lie near the end,
+// or leak there.
 std::string share_at_end(double share) {
   using inference::BoundPressure;
-  if (share <= BoundPressure::kPressingShare) return "samples lie close to it";
+  if (share <= BoundPressure::kPressingShare) return "all samples lie close to that end";
   return fmt::format("{:.0f} % of the samples lie there (fine up to {:.0f} %)", 100.0 * share,
                      100.0 * BoundPressure::kPressingShare);
 }

@@ -81,11 +81,11 @@ Findings find_ridge(const MethodResults& m) {
     return m.data.marginal(broad[static_cast<std::size_t>(i)]).name;
   };
   return {passes({.id = "ridge",
-                  .what = fmt::format("the observation tells {} and {} only together",
+                  .what = fmt::format("only a combination of {} and {} is known",
                                       name_of(ridge.first), name_of(ridge.second)),
                   .evidence = fmt::format("correlation {:.2f} (told apart below {:.2f})",
                                           ridge.correlation, least),
-                  .advice = fmt::format("Measure {} or {}, and fix it", name_of(ridge.first),
+                  .advice = fmt::format("Measure {} or {} and fix its value", name_of(ridge.first),
                                         name_of(ridge.second))})};
 }
 

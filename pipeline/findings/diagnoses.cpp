@@ -132,11 +132,12 @@ std::string words_of_distances(const inference::OutOfDistribution& ood) {
 
 // An observation outside of what was simulated makes all else void.
 Finding words_of_outlier(const Study& study, const Diagnosis& found, std::uint64_t seed) {
-  return {.what = fmt::format("no simulation is like the observation, so that the network guesses "
-                              "(seed {})",
-                              seed),
-          .evidence = words_of_distances(*found.ood),
-          .advice = advice_on_noise(study, "Check units, clock and signs of the observation")};
+  return {
+      .what = fmt::format("no simulation is like the observation, so that the result is a guess "
+                          "(seed {})",
+                          seed),
+      .evidence = words_of_distances(*found.ood),
+      .advice = advice_on_noise(study, "Check units, clock and signs of the observation")};
 }
 
 Finding too_few_simulations(const Diagnosis& found, double level) {

@@ -108,7 +108,7 @@ Finding judge_p_value(const MethodResults& m, const PValueProbe& probe) {
   if (failed == 0 && is_of_result && !too_little.what.empty()) return cannot_tell(too_little);
   const char* sign = m.diagnoses.size() > 1 && smallest < 1.0 ? "≥" : "=";
   said.evidence +=
-      fmt::format("{}p {} {:.2g} (fine from {:.1g} on){}", said.evidence.empty() ? "" : ", ", sign,
+      fmt::format("{}p {} {:.2g} (fine from {:.2g} on){}", said.evidence.empty() ? "" : ", ", sign,
                   smallest, level, failed > 0 ? seeds_text(failed, m.diagnoses.size()) : "");
   if (is_of_result) return failed > 0 ? fails(said) : passes(said);
   if (failed > 0) said.what = "in round 1, which isn't the result, " + said.what;

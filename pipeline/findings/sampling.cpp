@@ -80,7 +80,7 @@ Findings judge_certificates(const MethodResults& m) {
     lacks_simulations |= std::ssize(inference::faults_of(certificate)) > (is_heavy ? 1 : 0);
     smallest = std::min(smallest, certificate.ess);
     wanted = std::max(wanted, certificate.wanted_ess);
-    heaviest = std::max(heaviest, certificate.pareto_k);
+    if (!(certificate.pareto_k <= heaviest)) heaviest = certificate.pareto_k;  // also NaN
     power = std::min(power, certificate.power);
   }
   std::string size =

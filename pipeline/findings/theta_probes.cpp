@@ -131,9 +131,9 @@ class Inspection {
     if (share < least || level.second < fewest) return false;
     const bool is_bound = lies_on_a_bound(column, level.first);
     if (!is_bound && !looks_clipped(column, share)) return false;
-    const char* end = is_bound ? "an end of its prior" : "an end of its values, as if clipped";
+    const char* end = is_bound ? "an end of the prior" : "an end of its values, as if clipped";
     tell({.id = "end",
-          .what = fmt::format("many rows have {} = {:.6g}, {}, where its posterior is cut",
+          .what = fmt::format("many rows have {} = {:.6g}, {}, where posteriors are cut",
                               column.prior.name, level.first, end),
           .evidence = share_text(share, least),
           .advice = advice_at_the_ends(column)},

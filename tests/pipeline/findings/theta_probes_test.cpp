@@ -116,28 +116,28 @@ TEST(ThetaFaults, AreOtherDistributions) {
   const Vector drawn = draws(kPrior, 1000).col(0);
   const auto half = [&](Index i) { return std::round(0.5 * drawn(i)); };
   EXPECT_TRUE(has(faults_with(half),
-                  {"grave: end (0.1 of the rows", "a = 0, an end of its prior", "; prior ("}));
+                  {"grave: end (0.1 of the rows", "a = 0, an end of the prior", "; prior ("}));
   EXPECT_TRUE(has(faults_with([&](Index i) { return half(i) + 0.25; }), "grave: prior ("));
   // A third of the rows has a default, which the others, by themselves, don't hide.
   EXPECT_TRUE(has(faults_with([&](Index i) { return i % 3 == 0 ? std::sqrt(30.0) : drawn(i); }),
                   "grave: prior ("));
   // Values at the ends don't hide others.
   EXPECT_TRUE(has(faults_with([](Index i) { return 0.1 * static_cast<double>(i % 41); }),
-                  {"grave: end (0.025 of the rows", "a = 0, an end of its prior", "; prior ("}));
+                  {"grave: end (0.025 of the rows", "a = 0, an end of the prior", "; prior ("}));
 }
 
 TEST(ThetaFaults, AreValuesAtAnEnd) {
   RowMatrix theta = draws(kPrior, 1100);
   for (Index i = 0; i < theta.rows(); ++i) theta(i, 0) = static_cast<double>(i % 11);
-  EXPECT_TRUE(has(faults(theta), {"grave: end (0.091 of the rows", "a = 0, an end of its prior",
+  EXPECT_TRUE(has(faults(theta), {"grave: end (0.091 of the rows", "a = 0, an end of the prior",
                                   "prior.a = { uniform = [-0.5, 10.5] }"}));
   const std::vector<double> steps = {0.0, 1.0, 2.0, 5.0, 10.0};  // whatever they are
   EXPECT_TRUE(has(faults_with([&](Index i) { return steps[static_cast<std::size_t>(i % 5)]; }),
-                  {"grave: end (0.2 of the rows", "a = 0, an end of its prior", "prior.a = { "}));
+                  {"grave: end (0.2 of the rows", "a = 0, an end of the prior", "prior.a = { "}));
   const Vector drawn = draws(kPrior, 1000).col(0);
   const std::string remedy = "Draw a from the prior, or leave these rows out";
   EXPECT_TRUE(has(faults_with([&](Index i) { return std::min(1.03 * drawn(i), 10.0); }),
-                  {"end (0.034 of the rows", "a = 10, an end of its prior", remedy}));
+                  {"end (0.034 of the rows", "a = 10, an end of the prior", remedy}));
   // Whatever the bounds are, which may have been taken from them, also where all are rounded.
   std::vector<Marginal> wider = kPrior;
   wider[0].a = -0.01;
