@@ -50,7 +50,7 @@ PROBES = [(name, re.compile(words)) for name, words in (
     ("no_noise", r"adds no observation noise"),
     ("order_of_rows", r"in another order than those of theta"),
     ("lost_precision", r"single precision"),
-    ("same_rows", r"are the same"),
+    ("same_rows", r"are the same|the very x of others"),
     ("late_states", r"come a step late"),
     ("outliers", r"further from all other values"),
     ("too_many_failed", r"max_failed_fraction"),

@@ -198,9 +198,8 @@ std::vector<fs::path> write_tables(const analysis::Report& report, const fs::pat
 analysis::ReportVerdict verdict_of(const CheckSummary& check) {
   analysis::ReportVerdict verdict{.holds = check.failed.empty(), .words = words_of(check)};
   if (const std::string trust = trust_of(check); !trust.empty()) verdict.words += "\n" + trust;
-  if (!check.reasons.empty() && check.reasons.front().severity >= Severity::unknown) {
-    verdict.words += " What would change that? " + check.reasons.front().advice + ".";
-  }
+  const bool is_open = !check.failed.empty() || !check.unknown.empty();
+  if (is_open) verdict.words += " What would change that? " + check.reasons.front().advice + ".";
   for (const Finding& reason : check.reasons) {
     verdict.reasons.push_back(reason.where + ": " + join(lines_of(reason), "\n"));
   }
