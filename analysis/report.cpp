@@ -11,6 +11,7 @@
 #include "analysis/svg.h"
 #include "analysis/table_writers.h"
 #include "core/atomic_file.h"
+#include "core/text.h"
 
 namespace npdr::analysis {
 namespace {
@@ -51,13 +52,17 @@ std::string head(const Report& report) {
       policy, escape_html(report.title), kReportStyle);
 }
 
+std::string lines_html(const std::string& lines) {
+  return replaced_all(escape_html(lines), "\n", "<br/>");
+}
+
 // Reasons of several verdicts would push the answers off the first screen.
 std::string verdict_html(const ReportVerdict& verdict, bool is_open) {
-  const std::string words = escape_html(verdict.words);
+  const std::string words = lines_html(verdict.words);
   if (verdict.reasons.empty()) return words;
   std::string html =
       fmt::format("<details{}><summary>{}</summary>", is_open ? " open=\"\"" : "", words);
-  for (const std::string& reason : verdict.reasons) html += "\n<p>" + escape_html(reason) + "</p>";
+  for (const std::string& reason : verdict.reasons) html += "\n<p>" + lines_html(reason) + "</p>";
   return html + "</details>";
 }
 

@@ -31,11 +31,11 @@ struct ReportSection {
   std::string code = {};       ///< lines to copy, at the end
 };
 
-/// Whether something can be trusted, in a line under the title.
+/// Whether something can be trusted, under the title.
 struct ReportVerdict {
   bool holds = false;
-  std::string words;
-  std::vector<std::string> reasons = {};  ///< what was found and what to do
+  std::string words;                      ///< lines
+  std::vector<std::string> reasons = {};  ///< what was found and what to do, lines each
 };
 
 struct Report {

@@ -50,7 +50,7 @@ PROBES = [(name, re.compile(words)) for name, words in (
     ("no_noise", r"adds no observation noise"),
     ("order_of_rows", r"in another order than those of theta"),
     ("lost_precision", r"single precision"),
-    ("same_rows", r"are the same"),
+    ("same_rows", r"are the same|the very x of others"),
     ("late_states", r"come a step late"),
     ("outliers", r"further from all other values"),
     ("too_many_failed", r"max_failed_fraction"),
@@ -58,24 +58,12 @@ PROBES = [(name, re.compile(words)) for name, words in (
     ("rows_outside", r"outside of the support|outside of \[prior\]|lie outside"),
     ("coarse_first_states", r"inferred to first order"),
 )]
-# Titles of checks in report.json.
-CHECKS = {
-    "Posterior predictive": "predictive", "x_o among simulations": "ood", "Failures and parameters": "failures",
-    "Training": "training", "Sampling": "sampling", "Residuals": "residuals", "Bounds of the prior": "bounds",
-    "Contraction": "contraction", "RMSE": "fit", "Held-out rollouts": "held_out", "Dataset": "dataset",
-    "SBC ranks, round 1": "sbc", "Expected coverage, round 1": "coverage", "TARP coverage, round 1": "tarp",
-    "Local C2ST at x_o, round 1": "local_c2st"}
-# A check that finds several things is several probes.
-PARTS = {name: [(part, re.compile(words)) for part, words in parts] for name, parts in {
-    "dataset": (("constant", r"in all rows"), ("end", r"an end of it"), ("prior", r"isn't distributed"),
-                ("frequent", r"may peak at"), ("correlated", r"are correlated"), ("copies", r"copies of others")),
-    "fit": (("floor", r"smallest RMSE of any"), ("strays", r"a mode that isn't there"), ("far", r"median RMSE of its")),
-    "sampling": (("pool", r"NPE and NLE"), ("certificate", r"")),
-}.items()}
+# Severities of report.json by those that are counted here.
+SEVERITIES = {"wrong": "fail", "suspicious": "warning"}
 LOUD = {"fail": "!", "warning": "?"}
 TOO_MANY_FAILED = 3  # exit status
 # What is said of any fault names none.
-GENERAL = re.compile(r"simulator or noise lack( something)?|\(observation_noise[^)]*\)")
+GENERAL = re.compile(r"simulator or noise lack( something)?|Look for [^.]*")
 
 
 @dataclass
@@ -102,11 +90,6 @@ def id_of(text):
     return next((name for name, words in PROBES if words.search(text)), "other: " + " ".join(text.split()[:6]))
 
 
-def parts_of(check, text):
-    found = [f"{check}.{part}" for part, words in PARTS.get(check, ()) if words.search(text)]
-    return (found[:1] if check == "sampling" else found) or [check]
-
-
 def finding(phase, name, severity, text, method=""):
     return dict(phase=phase, id=name, severity=severity, text=text, method=method)
 
@@ -128,14 +111,16 @@ def found_in_output(phase, output, status):
 
 
 def found_in_report(path):
+    """The worst first, then checks that fail for a reason that another has named."""
     found = []
     for checks in json.loads(path.read_text())["checks"]:
-        texts = dict(reason.split(": ", 1) for reason in checks["reasons"])
-        said = [title for title in CHECKS if title in texts or title in checks["failed"] + checks["unknown"]]
-        for title in said + sorted(set(checks["failed"]) - set(CHECKS)):
-            severity = "fail" if title in checks["failed"] else "unknown" if title in checks["unknown"] else "note"
-            for part in parts_of(CHECKS.get(title, title), texts.get(title, "")):
-                found.append(finding("report", part, severity, texts.get(title, ""), checks["method"]))
+        for reason in checks["reasons"]:
+            text = ". ".join(reason[key] for key in ("what", "evidence", "advice") if reason[key])
+            severity = SEVERITIES.get(reason["severity"], reason["severity"])
+            found.append(finding("report", reason["id"], severity, text, checks["method"]))
+        said = {reason["check"] for reason in checks["reasons"]}
+        found += [finding("report", title, "fail", "", checks["method"]) for title in checks["failed"]
+                  if title not in said]
     return found
 
 

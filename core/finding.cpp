@@ -2,10 +2,16 @@
 
 namespace npdr {
 
+std::vector<std::string> lines_of(const Finding& finding) {
+  std::vector<std::string> lines = {finding.what, finding.evidence, finding.advice};
+  std::erase(lines, "");
+  return lines;
+}
+
 std::string text_of(const Finding& finding) {
   const bool warns = finding.severity >= Severity::suspicious;
   return (finding.where.empty() ? "" : finding.where + ": ") + (warns ? "warning: " : "") +
-         finding.what;
+         join(lines_of(finding), ". ");
 }
 
 std::vector<std::string> texts_of(const Findings& findings) {

@@ -7,23 +7,35 @@
 #include <string_view>
 #include <vector>
 
+#include "core/enum_names.h"
+
 namespace npdr {
 
 /// From nothing to be said of it to an answer that is wrong.
 enum class Severity {
   fine,
   note,        ///< worth knowing
-  unknown,     ///< too little to tell
   suspicious,  ///< probably not what was meant: a warning
+  unknown,     ///< too little to tell
   wrong,
 };
+
+constexpr auto enum_table(Severity) {
+  using enum Severity;
+  return std::to_array<EnumRow<Severity>>({{fine, "fine"},
+                                           {note, "note"},
+                                           {suspicious, "suspicious"},
+                                           {unknown, "unknown"},
+                                           {wrong, "wrong"}});
+}
 
 struct Finding {
   std::string id = {};  ///< of the probe that found it
   Severity severity = Severity::suspicious;
   std::string where = {};     ///< "study.toml:14:9"; empty where `what`, or who prints it, says so
-  std::string what = {};      ///< what is the matter and what to do; empty where that is nothing
-  std::string evidence = {};  ///< in a few words, with its number: "passes, p = 0.4"
+  std::string what = {};      ///< what is the matter, a sentence; empty where that is nothing
+  std::string evidence = {};  ///< a number beside its limit: "4.3 times the noise (fine below 2)"
+  std::string advice = {};    ///< one thing to do, a sentence
 };
 
 using Findings = std::vector<Finding>;
@@ -35,6 +47,8 @@ inline Finding note(std::string what) {
   return {.severity = Severity::note, .what = std::move(what)};
 }
 
+/// What it says: what is the matter, the evidence, the advice, as far as there are any.
+std::vector<std::string> lines_of(const Finding& finding);
 /// "study.toml:14:9: warning: ..."; without "warning: " where it is none.
 std::string text_of(const Finding& finding);
 std::vector<std::string> texts_of(const Findings& findings);

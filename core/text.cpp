@@ -68,6 +68,11 @@ std::string join(const std::vector<std::string>& parts, std::string_view separat
   return joined;
 }
 
+std::string listed(const std::vector<std::string>& names) {
+  if (names.size() < 2) return join(names);
+  return join({names.begin(), names.end() - 1}) + " and " + names.back();
+}
+
 std::string trimmed(const std::string& text) {
   const std::size_t begin = text.find_first_not_of(" \t");
   if (begin == std::string::npos) return "";

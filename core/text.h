@@ -18,6 +18,9 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 /// "a, b, c".
 std::string join(const std::vector<std::string>& parts, std::string_view separator = ", ");
 
+/// "a, b and c".
+std::string listed(const std::vector<std::string>& names);
+
 /// `text` without blanks and tabulators on both sides.
 std::string trimmed(const std::string& text);
 

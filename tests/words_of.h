@@ -9,7 +9,7 @@ namespace npdr {
 /// What they say, without "warning: "; "": there are none.
 inline std::string words_of(const Findings& findings) {
   std::vector<std::string> words;
-  for (const Finding& finding : findings) words.push_back(finding.what);
+  for (const Finding& finding : findings) words.push_back(join(lines_of(finding), ". "));
   return join(words, "\n");
 }
 

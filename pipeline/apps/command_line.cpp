@@ -7,7 +7,9 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <ranges>
 #include <system_error>
+#include <utility>
 
 #include "core/error.h"
 #include "core/printable.h"
@@ -161,11 +163,21 @@ void print_warnings(const std::string& program, const Plan& plan) {
 }
 
 bool print_verdicts(const Plan& plan) {
+  constexpr std::size_t most = 3;  // findings of a method
   bool any_failed = false;
   for (const CheckSummary& summary : read_check_summaries(plan.nodes.back())) {
     fmt::print("\n");
     print_prose(words_of(summary));
-    for (const std::string& reason : summary.reasons) print_prose("  " + reason);
+    if (const std::string trust = trust_of(summary); !trust.empty()) print_prose("  " + trust);
+    const std::size_t count = std::min(summary.reasons.size(), most);
+    for (const Finding& reason : summary.reasons | std::views::take(count)) {
+      std::string before = "  " + reason.where + ": ";
+      for (const std::string& line : lines_of(reason)) {
+        print_prose(std::exchange(before, "    ") + line);
+      }
+    }
+    const std::size_t left_out = summary.reasons.size() - count;
+    if (left_out > 0) fmt::print("  {} more in the report\n", left_out);
     any_failed |= !summary.failed.empty();
   }
   fmt::print("\n");

@@ -1,5 +1,5 @@
-/// Checks that posteriors are put to: the one table of their names, of what each asks, and of the
-/// methods that it means something to. What each says of results is judge() of
+/// Checks that posteriors are put to: the one table of their names, of what each asks and refutes,
+/// and of the methods that it means something to. What each says of results is judge() of
 /// pipeline/findings/probe.h.
 #pragma once
 
@@ -50,6 +50,7 @@ WhyUnchecked needs_simulator, needs_network, needs_simulations, needs_dataset, n
 struct CheckKind {
   std::array<WhyUnchecked*, 2> needs = {};  ///< nullptr: nothing else
   CheckInput input = CheckInput::samples;
+  std::string_view refutes = "parameters, error bars";  ///< can't be trusted where it fails
   bool has_p_value = false;
   bool is_of_some_methods = false;  ///< nothing is missing where it means nothing to a method
 };
@@ -66,8 +67,11 @@ struct CheckTraits : EnumRow<Check>, CheckKind {
 constexpr auto enum_table(Check) {
   using enum Check;
   using enum CheckInput;
-  constexpr CheckKind calibrates{
-      .needs = {needs_simulator, needs_network}, .input = calibration, .has_p_value = true};
+  constexpr CheckKind calibrates{.needs = {needs_simulator, needs_network},
+                                 .input = calibration,
+                                 .refutes = "error bars",
+                                 .has_p_value = true};
+  constexpr std::string_view all = "parameters, error bars, predictions";
   return std::to_array<CheckTraits>({
       {{sbc, "sbc"},
        calibrates,
@@ -86,11 +90,14 @@ constexpr auto enum_table(Check) {
        "Local C2ST at x_o, round 1",
        "can a classifier tell the posterior at the observation from the true one?"},
       {{predictive, "predictive"},
-       {.needs = {needs_simulator, needs_predictions}, .input = posterior, .has_p_value = true},
+       {.needs = {needs_simulator, needs_predictions},
+        .input = posterior,
+        .refutes = "parameters, predictions",
+        .has_p_value = true},
        "Posterior predictive",
        "do posterior samples predict what was observed?"},
       {{ood, "ood"},
-       {.needs = {needs_simulations}, .input = posterior, .has_p_value = true},
+       {.needs = {needs_simulations}, .input = posterior, .refutes = all, .has_p_value = true},
        "x_o among simulations",
        "does the observation lie among the simulations?"},
       {{failures, "failures"},
@@ -106,11 +113,11 @@ constexpr auto enum_table(Check) {
        "Sampling",
        "do its chains agree, or enough of its weighted draws count?"},
       {{residuals, "residuals"},
-       {.needs = {needs_likelihood}, .is_of_some_methods = true},
+       {.needs = {needs_likelihood}, .refutes = "error bars", .is_of_some_methods = true},
        "Residuals",
        "does a refinement leave of the recording what its noise model says?"},
       {{bounds, "bounds"},
-       {},
+       {.refutes = "parameters"},
        "Bounds of the prior",
        "does the posterior press against the prior's bounds?"},
       {{contraction, "contraction"},
@@ -118,12 +125,12 @@ constexpr auto enum_table(Check) {
        "Contraction",
        "is the posterior narrower than the prior?"},
       {{fit, "fit"},
-       {.needs = {needs_simulator, needs_rmse}},
+       {.needs = {needs_simulator, needs_rmse}, .refutes = all},
        "RMSE",
        "is the samples' RMSE near the smallest that can be reached, and of hardly any as large as "
        "the prior's?"},
       {{held_out, "held_out"},
-       {.needs = {needs_simulator, needs_held_out}},
+       {.needs = {needs_simulator, needs_held_out}, .refutes = "error bars, predictions"},
        "Held-out rollouts",
        "do bands of predictions hold rollouts that inference hasn't seen?"},
       {{dataset, "dataset"},

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <span>
 
-#include "core/text.h"
 #include "inference/diagnostics/row_faults.h"
 #include "inference/prior.h"
 #include "pipeline/sources/first_rows.h"
@@ -53,11 +53,13 @@ Findings find_twice(const RowsTogether& rows) {
       static_cast<double>(count) >
       std::max(grave * static_cast<double>(copies.num_rows), by_chance * copies.expected);
   const std::string near =
-      copies.num_near == 0 ? "" : fmt::format(" ({} of them to a thousandth)", copies.num_near);
-  return {{.severity = is_grave ? Severity::wrong : Severity::suspicious,
-           .what = fmt::format("{} of {} rows of the dataset are copies of others, theta and x{}: "
-                               "they count several times; leave each in it once",
-                               count, copies.num_rows, near)}};
+      copies.num_near == 0 ? "" : fmt::format(", {} of them to a thousandth", copies.num_near);
+  return {{.id = "copies",
+           .severity = is_grave ? Severity::wrong : Severity::suspicious,
+           .what = "rows of the dataset are copies of others, so that they count several times",
+           .evidence = fmt::format("{} of {} rows{} (by chance: {:.0f})", count, copies.num_rows,
+                                   near, copies.expected),
+           .advice = "Leave each row in the dataset once"}};
 }
 
 }  // namespace
@@ -82,13 +84,11 @@ Findings find_in_dataset(const Plan& plan, const std::vector<std::string>& metho
 }
 
 template <>
-Finding judge<Check::dataset>(const MethodResults& m) {
-  const Findings& found = m.data.dataset;
-  std::vector<std::string> words;
-  for (const Finding& finding : found) words.push_back(finding.what);
-  return std::ranges::count(found, Severity::wrong, &Finding::severity) == 0
-             ? passes("")
-             : fails("its rows AREN'T what they should be", join(words, "; "));
+Findings judge<Check::dataset>(const MethodResults& m) {
+  const bool is_wrong = std::ranges::count(m.data.dataset, Severity::wrong, &Finding::severity) > 0;
+  Findings found = is_wrong ? m.data.dataset : Findings{passes({})};
+  std::ranges::stable_sort(found, std::greater(), &Finding::severity);
+  return found;
 }
 
 }  // namespace npdr::pipeline

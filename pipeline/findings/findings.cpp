@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <optional>
+#include <utility>
 
 #include "analysis/begins_at_rest.h"
 #include "pipeline/findings/probe.h"
@@ -11,19 +14,68 @@
 namespace npdr::pipeline {
 namespace {
 
-// Why no check of a method looks at what held-out rollouts would show; "": one does, or needn't.
-std::string why_not_held_out(const MethodResults& m) {
-  const bool any_left_out =
-      m.study.target.held_out > 0 || m.study.evaluate.leave_out > 0 || m.method.num_rollouts > 0;
-  if (!m.study.target.recording || any_left_out || m.data.target.num_rollouts() < 2) return "";
-  return "there are none, so nothing shows whether it is too sure because the simulator lacks "
-         "something; set target.held_out = 1 with target.num_rollouts for the others, or "
-         "evaluate.leave_out = 2";
+// A finding that explains others, which then aren't said.
+struct Cause {
+  std::string_view id;  // of the finding, or of a check with all of its parts
+  std::array<std::optional<Check>, 7> consequences;
+
+  bool is(const Finding& finding) const {
+    return finding.severity == Severity::wrong &&
+           (finding.id == id || finding.id.starts_with(std::string(id) + "."));
+  }
+};
+
+// Causes of causes come first, with all that these explain.
+constexpr auto causes() {
+  using enum Check;
+  return std::to_array<Cause>(
+      {{"ood", {predictive, fit, residuals, held_out, contraction, sampling, bounds}},
+       {"dataset", {predictive, fit, residuals, held_out, contraction, sampling, bounds}},
+       {"fit.floor", {residuals, predictive, held_out, bounds}},
+       {"fit.misfit", {residuals, predictive, held_out, bounds}},
+       {"training.unfinished", {sbc, coverage, tarp, local_c2st, predictive}}});
+}
+constexpr auto kCauses = causes();
+
+bool is_cause(const Finding& finding) {
+  return std::ranges::any_of(kCauses, [&](const Cause& cause) { return cause.is(finding); });
 }
 
-// The same of the noise of recorded first states, in which simulations begin; "" where each device
-// began at rest or they are inferred, and what mends it is for Gaussian noise alone.
-std::string why_not_first_states(const MethodResults& m) {
+void add_new(std::vector<std::string>& titles, const std::string& title) {
+  if (std::ranges::count(titles, title) == 0) titles.push_back(title);
+}
+
+// Takes their words from the consequences of a cause, which names those that fail.
+void explain(const Cause& cause, Findings& findings) {
+  const auto is_said = [&](const Finding& found) { return cause.is(found) && !found.what.empty(); };
+  const auto first = std::ranges::find_if(findings, is_said);
+  if (first == findings.end()) return;
+  std::vector<std::string> same;
+  for (Finding& finding : findings) {
+    const bool follows = std::ranges::count(cause.consequences, check_of(finding)) > 0;
+    if (!follows || finding.severity == Severity::unknown || finding.what.empty()) continue;
+    if (finding.severity == Severity::wrong) add_new(same, finding.where);
+    finding.what.clear();
+    finding.advice.clear();
+  }
+  if (same.empty()) return;
+  first->what +=
+      fmt::format(". {} {} for the same reason", listed(same), same.size() == 1 ? "fails" : "fail");
+}
+
+// Why no check of a method looks at what held-out rollouts would show; without words: one does, or
+// needn't.
+Finding why_not_held_out(const MethodResults& m) {
+  const bool any_left_out =
+      m.study.target.held_out > 0 || m.study.evaluate.leave_out > 0 || m.method.num_rollouts > 0;
+  if (!m.study.target.recording || any_left_out || m.data.target.num_rollouts() < 2) return {};
+  return {.what = "nothing shows whether predictions of other rollouts are right",
+          .advice = "Set evaluate.leave_out = 2"};
+}
+
+// The same of the noise of recorded first states, in which simulations begin; none where each
+// device began at rest or they are inferred, and what mends it is for Gaussian noise alone.
+Finding why_not_first_states(const MethodResults& m) {
   const ObservationNoise& noise = m.study.observation_noise;
   const bool begins_in_motion =
       m.study.simulator.segment_length > 0 ||
@@ -31,45 +83,43 @@ std::string why_not_first_states(const MethodResults& m) {
   const bool is_refined = m.is(inference::Algorithm::refine) && !m.method.refine.infer_first_states;
   if (!m.study.target.recording || !(learns(m.method) || is_refined) || noise.is_silent() ||
       noise.is_heavy_tailed() || !begins_in_motion) {
-    return "";
+    return {};
   }
-  return "simulations begin in recorded ones as if these were exact, and parameters may make up "
-         "for the noise that they have; unless the device began at rest, compare with a refinement "
-         "that has refine.infer_first_states = true";
+  return {.what = "simulations begin in noisy recorded states as if these were exact",
+          .advice = "Compare with a refinement that has refine.infer_first_states = true"};
 }
 
-// The same of calibration, which costs more than some studies spend on inference; "" of methods
+// The same of calibration, which costs more than some studies spend on inference; none of methods
 // without a network, and where the study itself has chosen checks that are made.
-std::string why_not_calibrated(const MethodResults& m) {
+Finding why_not_calibrated(const MethodResults& m) {
   const Study& study = m.study;
   const bool is_left_out = study.diagnose.calibrates() && !study.source().simulates;
-  if (study.places.has("diagnose.checks") && !is_left_out) return "";
+  if (study.places.has("diagnose.checks") && !is_left_out) return {};
   const bool has_network = family_of(m.method) == inference::AlgorithmFamily::network;
   if (!study.source().simulates && has_network) {
-    return "a dataset can't be asked for other simulations, so nothing shows whether "
-           "posteriors are too sure, or too unsure; keep rows back, and see where their parameters "
-           "lie in what npdr sample --x draws for them";
+    return {.what = "a dataset can't show whether the error bars are right",
+            .advice = "Keep rows back, and compare their parameters with npdr sample --x"};
   }
   if (has_network && m.method.algorithm.num_rounds > 1) {
-    return "of several rounds only the network of round 1 can be calibrated, which isn't the "
-           "result; held-out rollouts, or a refinement that starts from the result, tell whether "
-           "that is too sure";
+    return {.what = "after several rounds nothing shows whether the error bars are right",
+            .advice = "Compare with a refinement that starts from this method"};
   }
   const bool could_be = traits_of(Check::coverage).why_unchecked(study, m.method).empty();
-  if (!could_be || m.checks.calibrates()) return "";
-  return fmt::format(
-      "it wasn't checked, so nothing shows whether posteriors are too sure, or too "
-      "unsure, over the prior; a table [diagnose] in the study checks it: for each seed {} more "
-      "are simulated, and a posterior is sampled for each",
-      study.diagnose.num_simulations);
+  if (!could_be || m.checks.calibrates()) return {};
+  return {.what = "nothing shows whether the error bars are right over the prior",
+          .evidence =
+              fmt::format("{} more simulations of each seed would", study.diagnose.num_simulations),
+          .advice = "Add a table [diagnose] to the study"};
 }
 
 // What no check looked at, of a method that passes all, and why.
 void add_unchecked(const MethodResults& m, CheckSummary& summary) {
-  const auto add = [&](std::string_view title, const std::string& why_not) {
-    if (why_not.empty()) return;
+  const auto add = [&](std::string_view title, Finding why_not) {
+    if (why_not.what.empty()) return;
     summary.unchecked.emplace_back(title);
-    summary.reasons.push_back(fmt::format("{}: {}", title, why_not));
+    why_not.id = "unchecked";
+    why_not.where = title;
+    summary.reasons.push_back(passes(std::move(why_not)));
   };
   add(traits_of(Check::held_out).title, why_not_held_out(m));
   add("Calibration", why_not_calibrated(m));
@@ -79,21 +129,17 @@ void add_unchecked(const MethodResults& m, CheckSummary& summary) {
 Findings findings_of(const MethodResults& m) {
   Findings findings;
   for (const Check check : values_of<Check>()) {
-    if (m.checks.has(check)) findings.push_back(judge(check, m));
+    if (m.checks.has(check)) append(findings, judge(check, m));
   }
-  // The first that fails of those which a wrong simulator makes fail says where.
-  const auto says_where = [](const Finding& found) {
-    using enum Check;
-    constexpr std::array told_by = {predictive, residuals, fit, held_out};
-    return found.severity == Severity::wrong &&
-           std::ranges::any_of(told_by, [&](Check check) { return found.id == name_of(check); });
-  };
-  const auto first = std::ranges::find_if(findings, says_where);
-  if (first != findings.end()) first->what += where_wrong(m.data);
+  for (const Cause& cause : kCauses) explain(cause, findings);
   return findings;
 }
 
 }  // namespace
+
+Check check_of(const Finding& finding) {
+  return *value_named<Check>(finding.id.substr(0, finding.id.find('.')));
+}
 
 Findings findings_of(const ReportData& data, const std::string& method) {
   return findings_of(MethodResults(data, method));
@@ -103,17 +149,21 @@ std::vector<CheckSummary> check_summaries(const ReportData& data) {
   std::vector<CheckSummary> summaries;
   for (const std::string& method : data.methods) {
     const MethodResults m(data, method);
-    const Findings findings = findings_of(m);
+    Findings findings = findings_of(m);
     if (findings.empty()) continue;
-    const auto is_verdict = [&](const Finding& finding) {
-      return m.is_of_result(*value_named<Check>(finding.id));
-    };
-    CheckSummary summary{method, std::ranges::count_if(findings, is_verdict), {}, {}, {}, {}};
-    for (const auto& [id, severity, where, what, evidence] : findings) {
-      if (severity == Severity::wrong) summary.failed.push_back(where);
-      if (severity == Severity::unknown) summary.unknown.push_back(where);
-      if (!what.empty()) summary.reasons.push_back(where + ": " + what);
+    const Index num_checks = std::ranges::count_if(values_of<Check>(), [&](Check check) {
+      return m.checks.has(check) && m.is_of_result(check);
+    });
+    CheckSummary summary{.method = method, .num_checks = num_checks};
+    for (const Finding& finding : findings) {
+      if (finding.severity == Severity::wrong) add_new(summary.failed, finding.where);
+      if (finding.severity == Severity::unknown) add_new(summary.unknown, finding.where);
     }
+    std::erase_if(findings, [](const Finding& finding) { return finding.what.empty(); });
+    std::ranges::stable_sort(findings, std::greater(), [](const Finding& finding) {
+      return std::pair(finding.severity, is_cause(finding));
+    });
+    summary.reasons = std::move(findings);
     if (summary.failed.empty() && summary.unknown.empty()) add_unchecked(m, summary);
     summaries.push_back(std::move(summary));
   }

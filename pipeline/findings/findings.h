@@ -2,16 +2,21 @@
 #pragma once
 
 #include "core/finding.h"
+#include "pipeline/config/check.h"
 #include "pipeline/findings/data.h"
 #include "pipeline/plan/report_marker.h"
 
 namespace npdr::pipeline {
 
-/// One finding a check, in the order of checks; those that mean nothing to the method are left out.
-/// `id`: the check's name, `where`: its title.
+/// Of each check its verdict, then remarks, in the order of checks; those that mean nothing to the
+/// method are left out. `id`: the check's name, or "fit.floor" of a part; `where`: its title.
+/// Without `what` and `advice` where another finding says why.
 Findings findings_of(const ReportData& data, const std::string& method);
 
-/// All verdicts of a study, a method each.
+/// The check that found it.
+Check check_of(const Finding& finding);
+
+/// All verdicts of a study, a method each. Reasons: the worst first, and causes before others.
 std::vector<CheckSummary> check_summaries(const ReportData& data);
 
 /// Contraction, which says how much narrower than the prior a posterior is in parameter d, for each
@@ -26,6 +31,7 @@ struct PressedBound {
   double value = 0.0;
   bool is_lower = false;
   bool leaks = false;  ///< samples lie where hardly any of the prior's do
+  double share = 0.0;  ///< of the samples, within a quarter of their width from there
 };
 
 /// Those of a marginal that samples of it (n) press against (bound_pressure.h), the lower one

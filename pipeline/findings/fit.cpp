@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/quantile.h"
-#include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
 #include "pipeline/features/observation.h"
 #include "pipeline/findings/probe.h"
@@ -23,10 +22,14 @@ constexpr double kFarFloor = 0.5;
 // enough.
 struct Yardstick {
   double limit = 0.0;
-  double unit = 0.0;  ///< "30 times the floor's", "20 % of the prior's"
-  std::string words;
+  double unit = 0.0;
+  std::string words = {};
 
-  std::string text_of(double rmse) const { return short_number(rmse / unit) + " " + words; }
+  /// "RMSE 30 times the smallest (fine up to 3)", "RMSE 20 % of the prior's (fine up to 10)"
+  std::string text_of(double rmse) const {
+    return fmt::format("RMSE {} {} (fine up to {})", short_number(rmse / unit), words,
+                       short_number(limit / unit));
+  }
 };
 
 double median_of(const Vector& values) { return quantile_of_sorted(sorted_finite(values), 0.5); }
@@ -47,7 +50,8 @@ std::optional<Yardstick> yardstick(const ReportData& data) {
     if (point.name != "floor" && point.name != "truth") continue;
     const double reached = point.metrics.at(rmse);
     if (3.0 * reached > found.limit) {
-      found = {3.0 * reached, reached, "times the " + point.name + "'s"};
+      found = {3.0 * reached, reached,
+               point.name == "truth" ? "times the truth's" : "times the smallest"};
     }
   }
   const double noise = std::min(known_noise(data), kFarFloor);
@@ -81,88 +85,108 @@ double floor_of(const ReportData& data) {
 // White noise of a recording is what the best parameters leave of it, but for the little that they
 // take away of so many numbers. The size of heavy tails may be that of a few numbers, which a
 // recording needn't have.
-std::string overstated_noise(const ReportData& data, double of_floor) {
+Findings overstated_noise(const ReportData& data, double of_floor) {
   constexpr double far_more = 3.0;
   const Study& study = data.plan.study;
   const double noise = known_noise(data);
   const ObservationNoise& stated = study.observation_noise;
   if (!study.target.recording || stated.is_correlated() || stated.is_heavy_tailed() ||
       of_floor == 0.0 || noise < far_more * of_floor) {
-    return "";
+    return {};
   }
-  return fmt::format(
-      "the best parameters leave {:.2g} of the recording, the noise is {:.0f} times as large: "
-      "lower observation_noise, or posteriors say less than the recording does",
-      of_floor, noise / of_floor);
+  return {passes(
+      {.id = "noise",
+       .what = "observation_noise is larger than the noise of the recording",
+       .evidence = fmt::format("{:.0f} times what the best parameters leave (fine below "
+                               "{:.0f})",
+                               noise / of_floor, far_more),
+       .advice = fmt::format("Divide observation_noise by up to {:.0f}", noise / of_floor)})};
 }
 
 // Networks leave what more simulations near the recording would find.
-std::string room_to_learn(const MethodResults& m, double rmse, double of_floor) {
+Findings room_to_learn(const MethodResults& m, double rmse, double of_floor) {
   constexpr double more = 2.0;
   if (!m.study.target.recording || m.is(inference::Algorithm::refine) || of_floor == 0.0 ||
       rmse < more * of_floor) {
-    return "";
+    return {};
   }
-  return fmt::format(
-      "its samples are {:.2g} times as far from the recording as the best parameters: a method "
-      "with algorithm = \"refine\" and refine.start = \"{}\" finds what is between",
-      rmse / of_floor, m.method.name);
+  return {passes({.id = "room",
+                  .what = "the samples could be nearer to the recording",
+                  .evidence = fmt::format("RMSE {:.2g} times that of the best parameters (good "
+                                          "below {:.0f})",
+                                          rmse / of_floor, more),
+                  .advice = fmt::format("Add a method with algorithm = \"refine\" and "
+                                        "refine.start = \"{}\"",
+                                        m.method.name)})};
+}
+
+// Of the seed that is worst.
+struct FitOfSamples {
+  Index failed = 0, astray = 0;  ///< seeds
+  double rmse = 0.0;             ///< median; NaN where no rollout succeeded
+  double strays = 0.0;           ///< share_of_strays()
+};
+
+FitOfSamples fit_of(const MethodResults& m, double limit) {
+  const double of_prior = median_of(m.data.baseline.prior->metrics.at(name_of(Metric::rmse)));
+  FitOfSamples worst;
+  for (const EvaluatedRun* run : m.runs) {
+    const Vector& its = run->evaluation.metrics.at(name_of(Metric::rmse));
+    const double median = median_of(its);
+    if (std::isnan(median)) return {.rmse = median};
+    worst.failed += median > limit ? 1 : 0;
+    worst.rmse = std::max(worst.rmse, median);
+    const double share = share_of_strays(its, of_prior);
+    worst.astray += share > kMostStrays ? 1 : 0;
+    worst.strays = std::max(worst.strays, share);
+  }
+  return worst;
 }
 
 }  // namespace
 
 template <>
-Finding judge<Check::fit>(const MethodResults& m) {
+Findings judge<Check::fit>(const MethodResults& m) {
   const double of_floor = floor_of(m.data);
   if (of_floor > kFarFloor) {
-    return fails(fmt::format("NO parameters fit, {:.2g} at best", of_floor),
-                 fmt::format("the smallest RMSE of any parameters of the prior is {:.2g} of the "
-                             "largest recorded magnitude: look at units, clock, and sign and zero "
-                             "of the angles of the recording, or widen the prior",
-                             of_floor));
-  }
-  const std::optional<Yardstick> reached = yardstick(m.data);
-  const double of_prior = median_of(m.data.baseline.prior->metrics.at(name_of(Metric::rmse)));
-  Index failed = 0, astray = 0;
-  double worst = 0.0, strays = 0.0;
-  for (const EvaluatedRun* run : m.runs) {
-    const Vector& its = run->evaluation.metrics.at(name_of(Metric::rmse));
-    const double median = median_of(its);
-    if (!reached || std::isnan(median)) {
-      return cannot_tell("no rollout succeeded that an RMSE could be measured of");
-    }
-    failed += median > reached->limit ? 1 : 0;
-    worst = std::max(worst, median);
-    const double share = share_of_strays(its, of_prior);
-    astray += share > kMostStrays ? 1 : 0;
-    strays = std::max(strays, share);
-  }
-  const std::string size = reached->text_of(worst);
-  const std::string advice =
-      (is_noise_unstated(m.study) ? "observation_noise.scale, which the study doesn't state, "
-                                  : "") +
-      advice_to_learn(m.method);
-  if (failed > 0) {
-    return fails(
-        "FAR above what can be reached" + seeds_text(failed, m.runs.size()) + ", " + size,
-        fmt::format("{:.3g} is the median RMSE of its samples, {}: try {}", worst, size, advice));
-  }
-  if (astray > 0) {
-    return fails(
-        fmt::format("{:.0f} % of its samples are FAR off{}", 100.0 * strays,
-                    seeds_text(astray, m.runs.size())),
-        fmt::format("their RMSE is above {:.3g}, the median of the prior's; that of all of them "
-                    "is {:.3g}: a mode that isn't there; try {}, or a refinement of its posterior",
-                    of_prior, worst, advice));
+    return {fails({.id = "floor",
+                   .what = "no parameters of the prior explain the observation",
+                   .evidence = fmt::format("RMSE {:.2g} of its largest magnitude at best (fine up "
+                                           "to {:.2g})",
+                                           of_floor, kFarFloor),
+                   .advice = "Check units, clock, signs and zeros of the observation"})};
   }
   if (m.data.baseline.misfit && m.data.baseline.misfit->is_beyond()) {
-    return fails(short_number(m.data.baseline.misfit->times) + " times the noise is LEFT",
-                 words_of_misfit(m.data));
+    return {fails(words_of_misfit(m.data))};
   }
-  std::vector<std::string> remarks = {overstated_noise(m.data, of_floor),
-                                      room_to_learn(m, worst, of_floor)};
-  std::erase(remarks, "");
-  return passes(size, join(remarks, "; "));
+  const std::optional<Yardstick> reached = yardstick(m.data);
+  const FitOfSamples worst = fit_of(m, reached ? reached->limit : 0.0);
+  if (!reached || std::isnan(worst.rmse)) {
+    return {cannot_tell({.what = "no rollout succeeded that could be compared with the observation",
+                         .advice = "Read why in the log of stage evaluate"})};
+  }
+  const std::string size = reached->text_of(worst.rmse);
+  const std::string advice = advice_on_noise(m.study, advice_to_learn(m));
+  if (worst.failed > 0) {
+    return {fails({.id = "far",
+                   .what = "the samples are far from parameters that explain the observation",
+                   .evidence = size + seeds_text(worst.failed, m.runs.size()),
+                   .advice = advice})};
+  }
+  if (worst.astray > 0) {
+    return {
+        fails({.id = "strays",
+               .what = "some samples belong to a mode that is not there",
+               .evidence = fmt::format("{:.0f} % of them are worse than half of the prior (fine "
+                                       "up to {:.0f} %){}",
+                                       100.0 * worst.strays, 100.0 * kMostStrays,
+                                       seeds_text(worst.astray, m.runs.size())),
+               .advice = advice})};
+  }
+  Findings found = {passes({.evidence = size})};
+  append(found, overstated_noise(m.data, of_floor));
+  append(found, room_to_learn(m, worst.rmse, of_floor));
+  return found;
 }
 
 }  // namespace npdr::pipeline

@@ -12,10 +12,13 @@ namespace {
 
 // What would make predictions less sure of themselves.
 std::string advice_to_widen(const MethodResults& m) {
-  const std::string model = "look for what simulator or noise lack" + noise_hint(m.study);
-  if (m.method.refine.sampling.cross_validate) return model;
-  if (m.study.target.num_rollouts > 1) return "refine with refine.cross_validate, or " + model;
-  return m.is(inference::Algorithm::refine) ? "lower refine.likelihood_power, or " + model : model;
+  const bool is_refined = m.is(inference::Algorithm::refine);
+  if (m.method.refine.sampling.cross_validate) return advice_on_model(m.study);
+  if (m.study.target.num_rollouts > 1) {
+    return is_refined ? "Set refine.cross_validate = true"
+                      : "Add a refinement with refine.cross_validate = true";
+  }
+  return is_refined ? "Lower refine.likelihood_power" : advice_on_model(m.study);
 }
 
 // Of the posterior's CRPS to that without inference: where the motion tells little, either may be
@@ -41,10 +44,10 @@ std::pair<std::string, double> uninformed(const ReportData& data) {
       best = {whose, crps_of(*scores.held_out)};
     }
   };
-  if (data.baseline.prior) consider("the prior's", data.baseline.prior->scores);
+  if (data.baseline.prior) consider("the prior", data.baseline.prior->scores);
   if (data.plan.study.target.truth) return best;
   for (const BaselinePoint& point : data.baseline.points) {
-    if (point.name == "nominal") consider("the nominal parameters'", point.scores);
+    if (point.name == "nominal") consider("the nominal parameters", point.scores);
   }
   return best;
 }
@@ -80,48 +83,44 @@ HeldOut held_out_of(const Runs& runs, double of_uninformed) {
 // 1 / (n + 1). Its bands hold a share that is 0.9 in expectation, and so below one half with a
 // probability of (1 - 0.9) / (1 - 0.5) at most (Markov).
 template <>
-Finding judge<Check::held_out>(const MethodResults& m) {
+Findings judge<Check::held_out>(const MethodResults& m) {
   constexpr double few = 0.5;
   for (const EvaluatedRun* run : m.runs) {
     const Index count = run->evaluation.scores.held_out->num_compared;
-    if (count < inference::kFewestForBounds) return too_few_samples(count);
+    if (count < inference::kFewestForBounds) return {too_few_samples(count)};
   }
   const auto [whose, of_uninformed] = uninformed(m.data);
   const auto [narrow, worse, least, worst] = held_out_of(m.runs, of_uninformed);
-  const std::string bands =
-      fmt::format("bands of {:.0f} % hold {:.0f} %", 100.0 * kJudgedBand, 100.0 * least);
-  const std::string unseen = " of rollouts that inference hasn't seen";
-  const std::string hold_few = bands + unseen, advice = advice_to_widen(m);
+  const std::string bands = fmt::format("{:.0f} % of the recorded states lie in {:.0f} % bands",
+                                        100.0 * least, 100.0 * kJudgedBand);
   const std::size_t all = m.runs.size();
   if (narrow > 0 && !m.method.refine.infer_first_states) {
-    return fails("predictions are TOO NARROW" + seeds_text(narrow, all) + ", " + bands,
-                 hold_few +
-                     ", and more of what any of its own samples predicts: it knows parameters or "
-                     "noise less well than it says: " +
-                     advice);
+    return {fails({.id = "narrow",
+                   .what = "predictions of rollouts that inference has not seen are too sure",
+                   .evidence = bands + seeds_text(narrow, all),
+                   .advice = advice_to_widen(m)})};
   }
   if (worse > 0) {
-    return fails("predictions are WORSE than " + whose + seeds_text(worse, all) + ", " + bands,
-                 fmt::format("the CRPS of its predictions{} is {:.2g}, that of {} {:.2g}: {}",
-                             unseen, worst, whose, of_uninformed, advice));
+    return {fails(
+        {.id = "worse",
+         .what = fmt::format("{} would predict rollouts that inference has not seen better", whose),
+         .evidence = fmt::format("CRPS {:.2g} (fine below {:.2g}){}", worst,
+                                 kFarWorse * of_uninformed, seeds_text(worse, all)),
+         .advice = advice_on_model(m.study)})};
   }
   if (narrow > 0) {
-    return cannot_tell(
-        hold_few +
-            ", but predictions begin in recorded first states, whose noise moves all of a "
-            "rollout, some far more than others: a right posterior's bands may hold too few; "
-            "the check of residuals tells more",
-        "can't tell, " + bands);
+    return {cannot_tell({.what = "predictions begin in noisy recorded states, which may move all "
+                                 "of a rollout",
+                         .evidence = bands,
+                         .advice = "Read the check of residuals instead"})};
   }
   if (least < few) {
-    return cannot_tell(
-        hold_few +
-            ", a right posterior's less than half with a probability of 0.2 at most; but some of "
-            "its samples' own predictions are held as seldom: " +
-            advice,
-        "can't tell, " + bands);
+    return {cannot_tell({.what = "few recorded states lie in the predicted bands, as may happen to "
+                                 "a right posterior",
+                         .evidence = bands,
+                         .advice = "Hold out more rollouts (target.held_out)"})};
   }
-  return passes(bands);
+  return {passes({.evidence = bands})};
 }
 
 }  // namespace npdr::pipeline

@@ -29,39 +29,32 @@ std::string short_number(double value) {
   return value < 10.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
 }
 
-std::string words_of_misfit(const ReportData& data) {
+Finding words_of_misfit(const ReportData& data) {
   const RecordingMisfit& m = *data.baseline.misfit;
-  std::string words = fmt::format(
-      "the best parameters leave {} times the {} (fine up to {:.3g}): your simulator "
-      "lacks an effect, or {}",
-      m.times < 10.0 ? fmt::format("{:.3g}", m.times) : short_number(m.times),
-      m.noise_is_given ? "noise of [observation_noise]" : "scatter of neighboring samples", m.limit,
-      m.noise_is_given ? "the noise is too small"
-                       : "errors last for many samples, and an inferred noise takes either up");
+  std::string where;
+  if (const auto worst = analysis::concentration(m)) {
+    const auto at = [](const auto& items, Index i) { return items[static_cast<std::size_t>(i)]; };
+    if (worst->channel) where += " in " + at(data.target.state_channels, *worst->channel).label;
+    where += worst->rollout ? " of rollout " + at(data.target.rollouts, *worst->rollout).name
+                            : " of every rollout";
+    where += time_of(*worst, m, data.target);
+  }
+  Finding said = {
+      .id = "misfit",
+      .what = "your simulator does not explain the recording" + where,
+      .evidence = fmt::format(
+          "the best parameters leave {} times the {} (fine up to {:.3g})",
+          m.times < 10.0 ? fmt::format("{:.3g}", m.times) : short_number(m.times),
+          m.noise_is_given ? "stated noise" : "scatter of neighboring samples", m.limit),
+      .advice = "Look for friction, a delay or a wrong clock"};
   // What is about as good as a right simulator, or takes away most of the rest.
   constexpr double most_of_rest = 0.25;
   if (!m.cause.empty() &&
       m.times_of_cause < std::max(kMostOfGivenNoise, 1.0 + most_of_rest * (m.times - 1.0))) {
-    return fmt::format("{}. With {} {} times would be left", words, m.cause,
-                       short_number(m.times_of_cause));
+    said.advice =
+        fmt::format("Try {}, which would leave {} times", m.cause, short_number(m.times_of_cause));
   }
-  return words + ". Look for friction, a delay or a wrong clock";
-}
-
-std::string where_wrong(const ReportData& data) {
-  const auto& misfit = data.baseline.misfit;
-  if (!misfit || !misfit->is_beyond()) return "";
-  const auto worst = analysis::concentration(*misfit);
-  if (!worst) return "";
-  const auto at = [](const auto& items, Index i) { return items[static_cast<std::size_t>(i)]; };
-  std::string where = time_of(*worst, *misfit, data.target);
-  where += where.empty() ? " in " : " of ";
-  where += worst->rollout ? "rollout " + at(data.target.rollouts, *worst->rollout).name
-                          : "every rollout";
-  if (worst->channel) where += ", in " + at(data.target.state_channels, *worst->channel).label;
-  return fmt::format(
-      ". Your simulator is wrong{}: its errors are {} times the noise there, {} times elsewhere",
-      where, short_number(worst->there), short_number(worst->elsewhere));
+  return said;
 }
 
 }  // namespace npdr::pipeline

@@ -15,7 +15,7 @@ namespace {
 
 constexpr auto kChecks = enum_table(Check{});
 
-using Judge = Finding (*)(const MethodResults& m);
+using Judge = Findings (*)(const MethodResults& m);
 
 template <std::size_t... i>
 constexpr std::array<Judge, kChecks.size()> judges(std::index_sequence<i...>) {
@@ -24,12 +24,14 @@ constexpr std::array<Judge, kChecks.size()> judges(std::index_sequence<i...>) {
 
 }  // namespace
 
-Finding judge(Check check, const MethodResults& m) {
+Findings judge(Check check, const MethodResults& m) {
   constexpr auto all = judges(std::make_index_sequence<kChecks.size()>());
   const auto row = std::ranges::find(kChecks, check, &CheckTraits::value);
-  Finding found = all[static_cast<std::size_t>(row - kChecks.begin())](m);
-  found.id = row->name;
-  found.where = row->title;
+  Findings found = all[static_cast<std::size_t>(row - kChecks.begin())](m);
+  for (Finding& finding : found) {
+    finding.id = std::string(row->name) + (finding.id.empty() ? "" : "." + finding.id);
+    finding.where = row->title;
+  }
   return found;
 }
 
@@ -65,87 +67,74 @@ std::string seeds_text(Index failed, std::size_t all) {
   return all == 1 ? "" : fmt::format(" in {} of {} seeds", failed, all);
 }
 
-Finding passes(const std::string& evidence, std::string what) {
-  const Severity severity = what.empty() ? Severity::fine : Severity::note;
-  return {.severity = severity,
-          .what = std::move(what),
-          .evidence = evidence.empty() ? "passes" : "passes, " + evidence};
+Finding passes(Finding said) {
+  said.severity = said.what.empty() ? Severity::fine : Severity::note;
+  return said;
 }
 
-Finding fails(std::string evidence, std::string what) {
-  return {.severity = Severity::wrong, .what = std::move(what), .evidence = std::move(evidence)};
+Finding fails(Finding said) {
+  said.severity = Severity::wrong;
+  return said;
 }
 
-Finding cannot_tell(std::string what, std::string evidence) {
-  return {.severity = Severity::unknown, .what = std::move(what), .evidence = std::move(evidence)};
-}
-
-Finding notes_down(std::string evidence, std::string what) {
-  return {.severity = what.empty() ? Severity::fine : Severity::note,
-          .what = std::move(what),
-          .evidence = std::move(evidence)};
+Finding cannot_tell(Finding said) {
+  said.severity = Severity::unknown;
+  return said;
 }
 
 Finding too_few_samples(Index count) {
-  return cannot_tell(fmt::format("{} samples are too few; raise evaluate.num_samples to {} or more",
-                                 count, inference::kFewestForBounds));
+  return cannot_tell(
+      {.what = fmt::format("{} samples are too few to judge", count),
+       .evidence = fmt::format("{} of {} samples needed", count, inference::kFewestForBounds),
+       .advice = fmt::format("Raise evaluate.num_samples to {}", inference::kFewestForBounds)});
 }
 
 Finding judge_p_value(const MethodResults& m, const PValueProbe& probe) {
   const double level = m.level();
   Index failed = 0;
   double smallest = 1.0;
-  std::string what, too_little;
+  Finding said, too_little;
   for (const auto* run : m.diagnoses) {
     const auto p_values = run->result.p_values();
     const auto p = p_values.find(name_of(probe.check));
     if (p != p_values.end()) smallest = std::min(smallest, p->second);
     if (p != p_values.end() && p->second < level) {
-      ++failed;
-      if (what.empty()) what = probe.what(m.study, run->result, run->use.seed);
-    } else if (too_little.empty()) {
+      if (failed++ == 0) said = probe.said(m.study, run->result, run->use.seed);
+    } else if (too_little.what.empty()) {
       too_little = probe.too_little(run->result, level);
     }
   }
+  const bool is_of_result = m.is_of_result(probe.check);
+  if (failed == 0 && is_of_result && !too_little.what.empty()) return cannot_tell(too_little);
   const char* sign = m.diagnoses.size() > 1 && smallest < 1.0 ? "≥" : "=";
-  const std::string p_text = fmt::format("p {} {:.2g}", sign, smallest);
-  if (!m.is_of_result(probe.check)) {
-    return notes_down("of round 1, " + p_text,
-                      failed == 0 ? ""
-                                  : "no fault of the result, which a later round has made: in "
-                                    "round 1 " +
-                                        what);
-  }
-  if (failed > 0)
-    return fails(probe.failure + seeds_text(failed, m.diagnoses.size()) + ", " + p_text, what);
-  return too_little.empty() ? passes(p_text) : cannot_tell(too_little);
+  said.evidence +=
+      fmt::format("{}p {} {:.2g} (fine from {:.2g} on){}", said.evidence.empty() ? "" : ", ", sign,
+                  smallest, level, failed > 0 ? seeds_text(failed, m.diagnoses.size()) : "");
+  if (is_of_result) return failed > 0 ? fails(said) : passes(said);
+  if (failed > 0) said.what = "in round 1, which isn't the result, " + said.what;
+  said.advice = "";
+  return passes(said);
 }
 
-std::string advice_to_learn(const MethodConfig& method) {
+std::string advice_to_learn(const MethodResults& m) {
   using enum inference::EmbeddingKind;
-  const inference::EmbeddingKind kind = method.embedding.kind;
-  const bool sees_all = method.embedding.trains_layers() || kind == all_steps || kind == identity;
-  return (sees_all ? "" : "embedding.principal_components without embedding.kind, ") +
-         std::string("more simulations");
+  const inference::EmbeddingKind kind = m.method.embedding.kind;
+  const bool sees_all = m.method.embedding.trains_layers() || kind == all_steps || kind == identity;
+  return sees_all ? "Train with more simulations (num_simulations)"
+                  : "Set embedding.principal_components in place of embedding.kind";
 }
 
-bool is_noise_unstated(const Study& study) {
-  return study.target.recording && study.observation_noise.is_silent() &&
-         !study.places.has("observation_noise.scale");
+std::string advice_on_model(const Study& study) {
+  return study.source().gives_motion
+             ? "Look for an effect that the simulator lacks, such as friction or a delay"
+             : "Look for an effect that the simulator lacks";
 }
 
-std::string noise_hint(const Study& study) {
-  const ObservationNoise& noise = study.observation_noise;
-  if (noise.is_silent()) {
-    return is_noise_unstated(study) ? " (the study states no noise of the recording's sensors: "
-                                      "observation_noise.scale, or scale_prior to infer it)"
-                                    : "";
-  }
-  std::vector<std::string> keys;
-  if (!noise.scale_prior) keys.emplace_back("scale_prior");
-  if (study.source().gives_motion && !noise.is_correlated()) keys.emplace_back("correlation");
-  if (!noise.is_heavy_tailed()) keys.emplace_back("degrees_of_freedom");
-  return keys.empty() ? "" : " (observation_noise." + join(keys) + ")";
+std::string advice_on_noise(const Study& study, std::string otherwise) {
+  const bool is_unstated = study.target.recording && study.observation_noise.is_silent() &&
+                           !study.places.has("observation_noise.scale");
+  return is_unstated ? "State the noise of the sensors in observation_noise.scale"
+                     : std::move(otherwise);
 }
 
 CorrelatedPair most_correlated(const RowMatrix& correlations) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/finding.h"
+#include "core/text.h"
 #include "inference/prior.h"
 #include "pipeline/config/check.h"
 #include "pipeline/findings/data.h"
@@ -45,19 +46,19 @@ struct MethodResults {
 /// " in 2 of 5 seeds"; nothing where there is one.
 std::string seeds_text(Index failed, std::size_t all);
 
-/// What a check says of a method; its `id` is the check's name already. Each check has a
-/// specialization in a file of this folder, without which nothing links.
+/// What a check says of a method: its verdict, then remarks. Their `id` may name a part of the
+/// check. Each check has a specialization in a file of this folder, without which nothing links.
 template <Check check>
-Finding judge(const MethodResults& m);
+Findings judge(const MethodResults& m);
 
-/// The same of any check.
-Finding judge(Check check, const MethodResults& m);
+/// The same of any check. `id`: "fit", or "fit.floor" of a part; `where`: the check's title.
+Findings judge(Check check, const MethodResults& m);
 
-Finding passes(const std::string& evidence, std::string what = "");
-Finding fails(std::string evidence, std::string what);
-Finding cannot_tell(std::string what, std::string evidence = "can't tell");
-/// What a check of something else than the result has found.
-Finding notes_down(std::string evidence, std::string what);
+/// Verdicts and remarks, of `what`, `evidence` and `advice`. What passes and has something to say
+/// is a note.
+Finding passes(Finding said);
+Finding fails(Finding said);
+Finding cannot_tell(Finding said);
 /// For less than inference::kFewestForBounds samples.
 Finding too_few_samples(Index count);
 
@@ -65,39 +66,32 @@ Finding too_few_samples(Index count);
 /// has found more.
 std::vector<std::string> faults_of(const MethodResults& m, const EvaluatedRun& run);
 
-/// A check with a p-value.
+/// A check with a p-value, which follows the evidence that its functions give.
 struct PValueProbe {
   Check check;
-  /// What a diagnosis with a small one found, and what to do.
-  std::string (*what)(const Study& study, const Diagnosis& found, std::uint64_t seed);
-  /// Why it could hardly have failed at that level; "": it could have.
-  std::string (*too_little)(const Diagnosis& found, double level) = [](const Diagnosis&, double) {
-    return std::string();
+  /// What a diagnosis with a small one found.
+  Finding (*said)(const Study& study, const Diagnosis& found, std::uint64_t seed);
+  /// Why it could hardly have failed at that level; without `what`: it could have.
+  Finding (*too_little)(const Diagnosis& found, double level) = [](const Diagnosis&, double) {
+    return Finding();
   };
-  const char* failure = "FAILS";
 };
 Finding judge_p_value(const MethodResults& m, const PValueProbe& probe);
 
-/// What would let a method learn more of its observation.
-std::string advice_to_learn(const MethodConfig& method);
+/// One thing that would let a method learn more of its observation.
+std::string advice_to_learn(const MethodResults& m);
+/// One thing to do about a simulator that is probably wrong.
+std::string advice_on_model(const Study& study);
+/// The same of an observation that is far from what is simulated: the noise of its sensors, where
+/// the study says nothing of it; else `otherwise`.
+std::string advice_on_noise(const Study& study, std::string otherwise);
 
 /// "1.9", "120".
 std::string short_number(double value);
 
-/// What the best parameters leave of a recording that they don't explain: Baseline::misfit is there
-/// and beyond its limit.
-std::string words_of_misfit(const ReportData& data);
-/// Where its errors are far larger than elsewhere, a sentence that follows another; "": nowhere, or
-/// parameters do explain it.
-std::string where_wrong(const ReportData& data);
-
-/// Whether the observation is a recording, and the study doesn't say what noise it has, nor that it
-/// has none.
-bool is_noise_unstated(const Study& study);
-
-/// What [observation_noise] may say that it doesn't yet, in brackets, for "simulator or noise lack
-/// something"; "": nothing, or the observation is simulated without noise.
-std::string noise_hint(const Study& study);
+/// What the best parameters leave of a recording that they don't explain, and where its errors are
+/// far larger than elsewhere. Needs Baseline::misfit.
+Finding words_of_misfit(const ReportData& data);
 
 /// The two of several quantities that are correlated most.
 struct CorrelatedPair {

@@ -52,15 +52,19 @@ bool has_steps(const Column& column) {
   return std::ssize(column.levels) <= inference::kFewLevels || inference::is_grid(column.levels);
 }
 
+std::string share_text(double share, double limit) {
+  return fmt::format("{:.2g} of the rows (fine below {:.2g})", share, limit);
+}
+
 std::string advice_at_the_ends(const Column& column) {
-  if (!has_steps(column)) return "draw it from the prior, or leave these rows out";
+  const std::string& name = column.prior.name;
+  if (!has_steps(column))
+    return fmt::format("Draw {} from the prior, or leave these rows out", name);
   MarginalFit fit;
   fit.observe(column.values);
   const Marginal around = fit.likeliest();
-  return fmt::format(
-      "values on a grid stand for those around them, which prior.{} = {{ {} = [{:.6g}, {:.6g}] }} "
-      "holds",
-      column.prior.name, name_of(around.kind), around.a, around.b);
+  return fmt::format("Set prior.{} = {{ {} = [{:.6g}, {:.6g}] }}, which ends half of a step beyond",
+                     name, name_of(around.kind), around.a, around.b);
 }
 
 // A design wasn't drawn: all of its rows tell of it.
@@ -97,15 +101,18 @@ class Inspection {
   }
 
  private:
-  void tell(std::string fault, bool is_grave) {
-    found_.push_back(
-        {.severity = is_grave ? Severity::wrong : Severity::suspicious, .what = std::move(fault)});
+  void tell(Finding fault, bool is_grave) {
+    fault.severity = is_grave ? Severity::wrong : Severity::suspicious;
+    found_.push_back(std::move(fault));
   }
 
   void tell_constant(const Column& column) {
-    tell(fmt::format("{} of the dataset is {} in all rows: networks learn that value, whatever x "
-                     "is; leave it out of [prior]",
-                     column.prior.name, column.values(0)),
+    const std::string& name = column.prior.name;
+    tell({.id = "constant",
+          .what =
+              fmt::format("{} of the dataset is the same in all rows, which networks learn", name),
+          .evidence = fmt::format("{} in all rows", column.values(0)),
+          .advice = fmt::format("Leave {} out of [prior]", name)},
          true);
   }
 
@@ -124,13 +131,12 @@ class Inspection {
     if (share < least || level.second < fewest) return false;
     const bool is_bound = lies_on_a_bound(column, level.first);
     if (!is_bound && !looks_clipped(column, share)) return false;
-    tell(fmt::format("{:.2g} of {} in the dataset are {:.6g}, {}, where a posterior's density is "
-                     "cut: {}",
-                     share, column.prior.name, level.first,
-                     is_bound ? fmt::format("an end of its prior, [{}, {}]", column.prior.lower(),
-                                            column.prior.upper())
-                              : "an end of it, as if clipped",
-                     advice_at_the_ends(column)),
+    const char* end = is_bound ? "an end of the prior" : "an end of its values, as if clipped";
+    tell({.id = "end",
+          .what = fmt::format("many rows have {} = {:.6g}, {}, where posteriors are cut",
+                              column.prior.name, level.first, end),
+          .evidence = share_text(share, least),
+          .advice = advice_at_the_ends(column)},
          share > grave);
     return true;
   }
@@ -141,11 +147,12 @@ class Inspection {
     const double p_value =
         inference::p_value_of_levels(column.levels, column.prior, column.num_draws);
     if (inference::corrected(p_value, theta_.cols()) >= kFalseAlarmRate) return;
-    tell(fmt::format(
-             "{} of the dataset isn't distributed as the prior says "
-             "(their distribution functions differ by {:.2g}, p = {:.1g}): posteriors are those of "
-             "the distribution that it was drawn from; ignore this if you mean that one",
-             column.prior.name, distance, p_value),
+    tell({.id = "prior",
+          .what = fmt::format("{} of the dataset was not drawn as [prior] says", column.prior.name),
+          .evidence = fmt::format("distribution functions differ by {:.2g} (fine up to {:.2g}), p "
+                                  "= {:.1g}",
+                                  distance, grave, p_value),
+          .advice = fmt::format("State in [prior] how {} was drawn", column.prior.name)},
          distance > grave);
   }
 
@@ -158,10 +165,11 @@ class Inspection {
     const double share = share_of(column, most);
     const bool is_usual = share * static_cast<double>(column.levels.size()) < times_usual;
     if (share < least || (column.levels.size() >= few && is_usual)) return;
-    tell(fmt::format("{:.2g} of {} in the dataset are {:.6g}: its posterior may peak at values "
-                     "that many rows have, and is made up between them; spread them over the steps "
-                     "that they stand for",
-                     share, column.prior.name, most.first),
+    tell({.id = "frequent",
+          .what = fmt::format("many rows have {} = {:.6g}, where its posterior may peak",
+                              column.prior.name, most.first),
+          .evidence = share_text(share, least),
+          .advice = "Spread such values over the steps that they stand for"},
          false);
   }
 
@@ -175,12 +183,13 @@ class Inspection {
     const double p_value = std::erfc(std::abs(pair.correlation) * std::sqrt(0.5));
     if (num_pairs == 0 || inference::corrected(p_value, num_pairs) >= kFalseAlarmRate) return;
     const double correlation = r(pair.first, pair.second);
-    tell(fmt::format("{} and {} of the dataset are correlated ({:.2f} between F of them, p = "
-                     "{:.1g}), and the prior draws each by itself: posteriors are those of the "
-                     "distribution that theta was drawn from; ignore this if you mean that one",
-                     prior_.marginals()[static_cast<std::size_t>(pair.first)].name,
-                     prior_.marginals()[static_cast<std::size_t>(pair.second)].name, correlation,
-                     p_value),
+    const auto name = [&](Index d) { return prior_.marginals()[static_cast<std::size_t>(d)].name; };
+    tell({.id = "correlated",
+          .what = fmt::format("{} and {} of the dataset are correlated, but not those of [prior]",
+                              name(pair.first), name(pair.second)),
+          .evidence = fmt::format("correlation {:.2f} (fine up to {:.2g}), p = {:.1g}", correlation,
+                                  grave, p_value),
+          .advice = "Draw each parameter by itself"},
          std::abs(correlation) > grave);
   }
 

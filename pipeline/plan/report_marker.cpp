@@ -3,15 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <ranges>
+#include <utility>
 
 #include "core/atomic_file.h"
 #include "core/error.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "pipeline/config/check.h"
 #include "pipeline/process/build_info.h"
 #include "pipeline/store/hostile_json.h"
 
@@ -28,6 +31,44 @@ nlohmann::ordered_json marker_of(const Node& report) {
 // Names of files needn't be UTF-8, which JSON must be.
 std::string shown_name(const std::filesystem::path& study) {
   return printable_line(study.filename().string());
+}
+
+constexpr std::array<std::pair<const char*, std::string Finding::*>, 5> kTexts = {
+    {{"check", &Finding::where},
+     {"id", &Finding::id},
+     {"what", &Finding::what},
+     {"evidence", &Finding::evidence},
+     {"advice", &Finding::advice}}};
+
+nlohmann::ordered_json json_of(const Findings& reasons) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const Finding& reason : reasons) {
+    auto& json = all.emplace_back() = {{"severity", name_of(reason.severity)}};
+    for (const auto& [key, text] : kTexts) json[key] = reason.*text;
+  }
+  return all;
+}
+
+Findings reasons_of(const nlohmann::ordered_json& all) {
+  Findings reasons;
+  for (const auto& json : all) {
+    const auto severity = value_named<Severity>(json.at("severity").get<std::string>());
+    Finding& reason = reasons.emplace_back(Finding{.severity = severity.value_or(Severity::wrong)});
+    for (const auto& [key, text] : kTexts) reason.*text = json.at(key);
+  }
+  return reasons;
+}
+
+// What checks of these titles refute: "parameters and error bars".
+std::string refuted_by(const std::vector<std::string>& titles) {
+  std::vector<std::string> names = {"parameters", "error bars", "predictions"};
+  std::erase_if(names, [&](const std::string& name) {
+    return std::ranges::none_of(enum_table(Check{}), [&](const CheckTraits& check) {
+      return std::ranges::count(titles, check.title) > 0 &&
+             check.refutes.find(name) != std::string_view::npos;
+    });
+  });
+  return listed(names);
 }
 
 }  // namespace
@@ -58,7 +99,7 @@ void mark_report(const Node& node, const std::filesystem::path& study,
                         {"failed", summary.failed},
                         {"unknown", summary.unknown},
                         {"unchecked", summary.unchecked},
-                        {"reasons", summary.reasons}});
+                        {"reasons", json_of(summary.reasons)}});
   }
   const nlohmann::ordered_json json = {{"key", node.key},
                                        {"revision", git_revision()},
@@ -78,7 +119,8 @@ std::vector<CheckSummary> read_check_summaries(const Node& node) {
   try {
     for (const auto& verdict : marker.at("checks")) {
       summaries.push_back({verdict.at("method"), verdict.at("num_checks"), verdict.at("failed"),
-                           verdict.at("unknown"), verdict.at("unchecked"), verdict.at("reasons")});
+                           verdict.at("unknown"), verdict.at("unchecked"),
+                           reasons_of(verdict.at("reasons"))});
     }
   } catch (const nlohmann::ordered_json::exception&) {
     throw InputError(node.path.string() + ": is damaged; remove it and run the study again");
@@ -119,6 +161,16 @@ std::string words_of(const CheckSummary& summary) {
   if (!summary.unknown.empty()) text += "; can't tell: " + join(summary.unknown);
   if (!summary.unchecked.empty()) text += "; not checked: " + join(summary.unchecked);
   return text;
+}
+
+std::string trust_of(const CheckSummary& summary) {
+  if (!summary.failed.empty())
+    return fmt::format("Don't trust its {}.", refuted_by(summary.failed));
+  if (!summary.unknown.empty()) {
+    return fmt::format("Too little is known to trust its {}.", refuted_by(summary.unknown));
+  }
+  return summary.num_checks == 0 ? ""
+                                 : "Trust its parameters and error bars within this simulator.";
 }
 
 Findings find_replaced_report(const Plan& plan) {

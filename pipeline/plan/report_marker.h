@@ -12,14 +12,18 @@ namespace npdr::pipeline {
 struct CheckSummary {
   std::string method;
   Index num_checks = 0;
-  std::vector<std::string> failed;     ///< titles of the checks
-  std::vector<std::string> unknown;    ///< of those that can't tell
-  std::vector<std::string> unchecked;  ///< what no check looked at, where all pass
-  std::vector<std::string> reasons;    ///< what was found and what to do, a sentence each
+  std::vector<std::string> failed = {};     ///< titles of the checks
+  std::vector<std::string> unknown = {};    ///< of those that can't tell
+  std::vector<std::string> unchecked = {};  ///< what no check looked at, where all pass
+  Findings reasons = {};                    ///< `where`: the check's title; the worst first
 };
 
 /// "NPE: 2 of 7 checks FAIL: Training, RMSE"; "NPE: all 7 checks pass; not checked: Calibration".
 std::string words_of(const CheckSummary& summary);
+
+/// "Don't trust the error bars.", of what the checks that fail refute, then of those that can't
+/// tell; "" where there are none.
+std::string trust_of(const CheckSummary& summary);
 
 /// The key is the plan's, this build made the report, whose verdicts another one may find
 /// otherwise, and all files of it are there.

@@ -7,6 +7,7 @@
 #include "core/text.h"
 #include "pipeline/config/check.h"
 #include "pipeline/findings/findings.h"
+#include "pipeline/findings/probe.h"
 #include "pipeline/report/parts.h"
 
 namespace npdr::pipeline {
@@ -56,15 +57,26 @@ Cell score_of(const ReportData& data, const std::string& method) {
 constexpr const char* kScore = "log p of fresh truths";
 using CellsOfMethods = std::map<std::string, Cell>;
 
+// "FAILS, p = 0.001 (fine from 0.01 on)". The network of round 1 needn't be the result.
+std::string cell_text(const Finding& verdict, bool is_of_result) {
+  std::string word = is_of_result ? "passes" : "not of the result";
+  if (verdict.severity == Severity::unknown) word = "can't tell";
+  if (verdict.severity == Severity::wrong) word = "FAILS";
+  return verdict.evidence.empty() ? word : word + ", " + verdict.evidence;
+}
+
 // What checks found, and scores, by the titles of their rows; footnotes are those of one method
 // after another.
 std::map<std::string, CellsOfMethods> check_cells(const ReportData& data,
                                                   std::vector<std::string>& notes) {
   std::map<std::string, CellsOfMethods> cells;
   for (const std::string& method : data.methods) {
+    const MethodResults m(data, method);
     note_left_out(data, method, notes);
     for (const Finding& finding : findings_of(data, method)) {
-      Cell& cell = cells[finding.where][method] = finding.evidence;
+      Cell& cell = cells[finding.where][method];
+      const bool is_verdict = cell.value.index() == 0;  // the first of a check
+      if (is_verdict) cell.value = cell_text(finding, m.is_of_result(check_of(finding)));
       if (finding.what.empty()) continue;
       notes.push_back(method + ": " + finding.what);
       cell.notes.push_back(notes.back());

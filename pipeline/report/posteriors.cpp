@@ -11,6 +11,7 @@
 #include "analysis/report.h"
 #include "core/normal.h"
 #include "core/quantile.h"
+#include "core/text.h"
 #include "inference/prior.h"
 #include "pipeline/findings/findings.h"
 #include "pipeline/report/parts.h"
@@ -197,7 +198,9 @@ std::optional<Table> parameters_table(const ReportData& data) {
   table.add_each(data.methods, [&](const std::string& method, Index d) {
     return posterior_cell(data, method, d);
   });
-  for (const Finding& finding : data.dataset) table.last_notes.push_back(finding.what);
+  for (const Finding& finding : data.dataset) {
+    table.last_notes.push_back(join(lines_of(finding), ". "));
+  }
   return table.make();
 }
 

@@ -194,6 +194,18 @@ std::vector<fs::path> write_tables(const analysis::Report& report, const fs::pat
   return files;
 }
 
+// Whether to trust a method, in what, and what would change that; then all findings.
+analysis::ReportVerdict verdict_of(const CheckSummary& check) {
+  analysis::ReportVerdict verdict{.holds = check.failed.empty(), .words = words_of(check)};
+  if (const std::string trust = trust_of(check); !trust.empty()) verdict.words += "\n" + trust;
+  const bool is_open = !check.failed.empty() || !check.unknown.empty();
+  if (is_open) verdict.words += " What would change that? " + check.reasons.front().advice + ".";
+  for (const Finding& reason : check.reasons) {
+    verdict.reasons.push_back(reason.where + ": " + join(lines_of(reason), "\n"));
+  }
+  return verdict;
+}
+
 std::string posterior_of(const ReportData& data, const std::string& method) {
   const Use& use = data.runs_of(method).front()->use;
   return link_of(data.plan, data.plan.node(Stage::infer, use), use).string();
@@ -216,7 +228,7 @@ void run<Stage::report>(const Plan& plan, const Node& node, const std::vector<In
   report.prose = warning_of_builds(making.builds) + warnings;
   const std::vector<CheckSummary> checks = check_summaries(data);
   for (const CheckSummary& check : checks) {
-    report.verdicts.push_back({check.failed.empty(), words_of(check), check.reasons});
+    report.verdicts.push_back(verdict_of(check));
   }
   for (auto& [section, made] : headings(data)) {
     fill_section(section, data, folder, made);

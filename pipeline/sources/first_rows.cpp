@@ -60,11 +60,10 @@ Findings find_stretch_in(const RowsTogether& rows) {
     return rows.numbers.empty() ? i : rows.numbers[static_cast<std::size_t>(i)];
   };
   return {{.severity = Severity::wrong,
-           .what = fmt::format(
-               "rows {} to {} don't go with their parameters as other rows do: the mean rank of "
-               "their deviation from what parameters say is {:.2f}, and should be 0.5; mend these "
-               "rows, or leave them out, if their order, a unit or the simulator changed there",
-               number(found->begin), number(found->begin + found->count - 1), found->mean_rank)}};
+           .what = fmt::format("rows {} to {} don't go with their parameters as other rows do",
+                               number(found->begin), number(found->begin + found->count - 1)),
+           .evidence = fmt::format("mean rank of deviations {:.2f} (right: 0.5)", found->mean_rank),
+           .advice = "Mend these rows or leave them out"}};
 }
 
 Findings find_same_in(const RowsTogether& rows) {
@@ -73,11 +72,9 @@ Findings find_same_in(const RowsTogether& rows) {
   if (count == 0) return {};
   const bool is_grave = static_cast<double>(count) > grave * static_cast<double>(rows.x.rows());
   return {{.severity = is_grave ? Severity::wrong : Severity::suspicious,
-           .what = fmt::format(
-               "{} of {} rows have the same x as others, to the last bit, though their parameters "
-               "differ: if that stands for a failure, write NaN; if x was copied, leave these rows "
-               "out; ignore this if nothing happens there, whatever the parameters",
-               count, rows.x.rows())}};
+           .what = "rows have the very x of others, though their parameters differ",
+           .evidence = fmt::format("{} of {} rows (usual: none)", count, rows.x.rows()),
+           .advice = "Write NaN if such rows stand for a failure"}};
 }
 
 Findings find_codes_in(const RowsTogether& rows) {
@@ -89,10 +86,9 @@ Findings find_codes_in(const RowsTogether& rows) {
                                 rows.x.rows()));
   }
   if (found.empty()) return {};
-  return {warning(fmt::format(
-      "{}, further from all other values than these lie apart: if that stands for a failure, "
-      "write NaN, or posteriors are those of a simulator that gives it",
-      join(few_shortened(found))))};
+  return {
+      {.what = join(few_shortened(found)) + ", further from all other values than these lie apart",
+       .advice = "Write NaN if such values stand for a failure"}};
 }
 
 constexpr std::array<Probe<RowsTogether>, 3> kApart = {{

@@ -30,6 +30,12 @@ TEST(Text, SplitsAtASeparator) {
   EXPECT_TRUE(split("", ':').empty());
 }
 
+TEST(Text, ListsNames) {
+  EXPECT_EQ(listed({}), "");
+  EXPECT_EQ(listed({"a"}), "a");
+  EXPECT_EQ(listed({"a", "b", "c"}), "a, b and c");
+}
+
 TEST(Text, CountsAThing) {
   EXPECT_EQ(counted(0, "seed"), "0 seeds");
   EXPECT_EQ(counted(1, "seed"), "1 seed");

@@ -10,6 +10,8 @@ if isinstance(content, list):  # of 'npdr status --json', in the order of the pl
         print(artefact["label"], artefact["key"], artefact["path"], sep="\t")
 else:  # what a report says of each method
     for method in content["checks"]:
-        for kind in ("failed", "unknown", "unchecked", "reasons"):
+        for kind in ("failed", "unknown", "unchecked"):
             for text in method[kind]:
                 print(f"{method['method']}: {kind}: {text}")
+        for reason in method["reasons"]:
+            print(f"{method['method']}: reasons:", *(reason[key] for key in ("check", "what", "evidence", "advice")), sep=" | ")

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "core/normal.h"
 #include "pipeline/config/check.h"
@@ -61,7 +62,14 @@ class Verdicts : public ::testing::Test {
 
   Finding finding_of(Check check) const {
     const std::vector<Finding> all = findings_of(data_, kMethod);
-    return *std::ranges::find(all, name_of(check), &Finding::id);
+    return *std::ranges::find(all, check, &check_of);
+  }
+
+  // "fit.room" of a remark.
+  std::optional<Finding> remark_of(const std::string& id) const {
+    const std::vector<Finding> all = findings_of(data_, kMethod);
+    const auto found = std::ranges::find(all, id, &Finding::id);
+    return found == all.end() ? std::nullopt : std::optional(*found);
   }
 
   Plan plan_;

@@ -18,17 +18,17 @@ TEST_F(Verdicts, DensityThatHasLeakedIsHeldBackByTheCombinedLoss) {
   MethodConfig& method = plan_.study.methods.front();
   method.algorithm.kind = inference::Algorithm::npe_c;
   method.algorithm.num_rounds = 2;
-  const auto words = [&] { return finding_of(Check::bounds).what; };
-  EXPECT_EQ(finding_of(Check::bounds).severity, Severity::wrong);
-  EXPECT_TRUE(words().ends_with("leaked there: try combined_loss = true")) << words();
-  EXPECT_TRUE(has(words(), "pole_mass at 0.3 kg, pole_mass at 1.7 kg;"));
+  const auto found = [&] { return finding_of(Check::bounds); };
+  EXPECT_EQ(found().severity, Severity::wrong);
+  EXPECT_TRUE(has(found().advice, "combined_loss"));
+  EXPECT_TRUE(has(found().what, "pole_mass = 0.3 kg and pole_mass = 1.7 kg"));
   plan_.study.prior.front().unit = "1";
-  EXPECT_TRUE(has(words(), "pole_mass at 0.3, pole_mass at 1.7;"));
+  EXPECT_TRUE(has(found().what, "pole_mass = 0.3 and pole_mass = 1.7"));
   method.algorithm.num_rounds = 1;
-  EXPECT_FALSE(has(words(), "combined_loss")) << "maximum likelihood";
+  EXPECT_FALSE(has(found().advice, "combined_loss")) << "maximum likelihood";
   method.algorithm.num_rounds = 2;
   method.density_estimator.kind = inference::EstimatorKind::mdn;
-  EXPECT_FALSE(has(words(), "combined_loss")) << "the analytic loss";
+  EXPECT_FALSE(has(found().advice, "combined_loss")) << "the analytic loss";
 }
 
 // The prior ends at the simulator's own limit, or a little above it.
@@ -43,7 +43,7 @@ TEST_F(Verdicts, AnEndWhereTheSimulatorEndsIsNoFault) {
     limit = near;
     EXPECT_EQ(finding_of(Check::bounds).severity, Severity::note) << near;
   }
-  EXPECT_TRUE(has(finding_of(Check::bounds).what, "no fault: pole_mass at 0.3 kg"));
+  EXPECT_TRUE(has(finding_of(Check::bounds).what, "pole_mass = 0.3 kg"));
   limit = 0.2;
   EXPECT_EQ(finding_of(Check::bounds).severity, Severity::wrong) << "it can be widened";
   limit = 0.0;
@@ -55,15 +55,16 @@ TEST_F(Verdicts, AnEndWhereTheSimulatorEndsIsNoFault) {
 TEST_F(Verdicts, ACombinationThatAloneIsKnownIsSaid) {
   RowMatrix theta = samples_around(1.0, 0.2);
   add_run(theta, 0.02);
-  EXPECT_EQ(finding_of(Check::contraction).what, "");
+  EXPECT_FALSE(remark_of("contraction.ridge"));
   theta.col(1) = 2.0 - theta.col(0).array() + 0.2 * (theta.col(1).array() - 1.0);
   add_run(theta, 0.02);
-  const Finding found = finding_of(Check::contraction);
-  EXPECT_LE(found.severity, Severity::note);
-  EXPECT_TRUE(says(found.what, {"of pole_mass and pole_length it knows little but a combination",
-                                "correlation -0.98", "record motion"}));
+  const std::optional<Finding> found = remark_of("contraction.ridge");
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->severity, Severity::note);
+  EXPECT_TRUE(has(found->what, {"pole_mass and pole_length"}));
+  EXPECT_TRUE(has(found->evidence, "-0.98"));
   add_run((1.0 + 0.1 * (theta.array() - 1.0)).matrix(), 0.02);
-  EXPECT_EQ(finding_of(Check::contraction).what, "") << "each is known by itself";
+  EXPECT_FALSE(remark_of("contraction.ridge")) << "each is known by itself";
 }
 
 TEST_F(Verdicts, ParametersWhoseSamplesAllLieOnABoundArentKnown) {
@@ -84,7 +85,7 @@ TEST_F(Verdicts, APosteriorThatContractsByAQuarterIsntThePrior) {
   narrower.col(0) = 1.0 + std::sqrt(0.75) * (narrower.col(0).array() - 1.0);
   add_run(narrower, 0.02);
   EXPECT_LE(finding_of(Check::contraction).severity, Severity::note);
-  EXPECT_TRUE(has(finding_of(Check::contraction).what, "says little of pole_length"));
+  EXPECT_TRUE(has(remark_of("contraction.flat").value().what, "pole_length"));
 }
 
 // Half of the samples at either end of the prior: wider than it.
@@ -94,7 +95,7 @@ TEST_F(Verdicts, APosteriorOfTwoModesSaysMoreThanThePrior) {
   theta.col(0) += 0.05 * theta.col(1);
   add_run(theta, 0.02);
   EXPECT_LE(finding_of(Check::contraction).severity, Severity::note);
-  EXPECT_EQ(finding_of(Check::contraction).what, "says little of pole_length");
+  EXPECT_FALSE(has(remark_of("contraction.flat").value().what, "pole_mass"));
 }
 
 TEST_F(Verdicts, NothingIsInfinitelyFar) {
@@ -104,10 +105,8 @@ TEST_F(Verdicts, NothingIsInfinitelyFar) {
   ood.residual = {kInfinity, 0.0, 1e-5};
   const Finding found = finding_of(Check::ood);
   EXPECT_EQ(found.severity, Severity::wrong);
-  EXPECT_TRUE(has(found.what,
-                  "2 times the usual distance within the simulations' directions, and "
-                  "a feature that in all of them has another value, or one far farther from 0"));
-  EXPECT_FALSE(has(found.what, "inf"));
+  EXPECT_TRUE(has(found.evidence, "a feature has a value that no simulation"));
+  EXPECT_FALSE(has(found.evidence, "inf"));
 }
 
 // A figure has colors for six methods, of those that have something to draw.
@@ -154,40 +153,46 @@ TEST_F(Verdicts, ErrorsBeyondTheNoiseOfARecordingFail) {
   EXPECT_EQ(finding_of(Check::fit).severity, Severity::fine);
   data_.baseline.misfit = misfit_of(1.9, true, 1.15);
   EXPECT_EQ(finding_of(Check::fit).severity, Severity::wrong);
-  EXPECT_TRUE(says(finding_of(Check::fit).what,
-                   {"the best parameters leave 1.9 times the noise of [observation_noise]",
-                    "the noise is too small", "Look for friction"}));
+  EXPECT_EQ(finding_of(Check::fit).id, "fit.misfit");
+  EXPECT_TRUE(says(finding_of(Check::fit).evidence, {"1.9 times the stated noise", "1.15"}));
   data_.baseline.misfit->cause = "actions 2 samples later";
   data_.baseline.misfit->times_of_cause = 1.01;
-  EXPECT_TRUE(has(finding_of(Check::fit).what, "With actions 2 samples later 1 times would be"));
+  EXPECT_TRUE(has(finding_of(Check::fit).advice, "actions 2 samples later"));
   data_.baseline.misfit = misfit_of(9.0, false, 4.0);
-  EXPECT_TRUE(says(
-      finding_of(Check::fit).what,
-      {"the best parameters leave 9 times the scatter of neighboring samples", "inferred noise"}));
+  EXPECT_TRUE(has(finding_of(Check::fit).evidence, "9 times the scatter of neighboring samples"));
 }
 
-TEST_F(Verdicts, TheFirstCheckThatFailsSaysWhereTheSimulatorIsWrong) {
+TEST_F(Verdicts, AMisfitSaysWhereTheSimulatorIsWrong) {
   data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.02}}}};
   data_.baseline.misfit = misfit_of(2.0, true, 1.15);
   data_.target.dt = 0.02;  // 200 steps
   data_.baseline.misfit->left.topRows(1) << 8.0, 1.0;
-  EXPECT_TRUE(says(finding_of(Check::fit).what,
-                   {"the best parameters leave 2 times",
-                    "wrong in the first 0.4 s of every rollout, in theta: its errors are 8 times",
-                    "1 times elsewhere"}));
-  const RecordingMisfit in_a_part = *data_.baseline.misfit;
+  EXPECT_TRUE(says(finding_of(Check::fit).what, {" in theta of every rollout in the first 0.4 s"}));
   data_.baseline.misfit->left.col(0).setConstant(120.0);
-  EXPECT_TRUE(says(finding_of(Check::fit).what,
-                   {"the best parameters leave 2 times",
-                    "Your simulator is wrong in every rollout, in theta: its errors are 120 times",
-                    "1 times elsewhere"}));
-  data_.baseline.misfit = in_a_part;
-  data_.diagnoses.front().result.predictive->check.p_value = 1e-9;
-  data_.diagnoses.front().result.predictive->check.summary_p_value = Vector::Constant(1, 1e-9);
-  data_.diagnoses.front().result.predictive->names = {"mean"};
-  data_.diagnoses.front().result.predictive->observed = Vector::Ones(1);
-  EXPECT_TRUE(has(finding_of(Check::predictive).what, "in the first 0.4 s"));
-  EXPECT_FALSE(has(finding_of(Check::fit).what, "in the first 0.4 s"));
+  EXPECT_TRUE(finding_of(Check::fit).what.ends_with(" in theta of every rollout"));
+}
+
+TEST_F(Verdicts, WhatFollowsFromACauseIsNotSaid) {
+  data_.baseline.points = {{"floor", Vector(), {{"rmse", 0.02}}}};
+  data_.baseline.misfit = misfit_of(2.0, true, 1.15);
+  Diagnosis& diagnosis = data_.diagnoses.front().result;
+  diagnosis.predictive->check.p_value = 1e-9;
+  diagnosis.predictive->check.summary_p_value = Vector::Constant(1, 1e-9);
+  diagnosis.predictive->names = {"mean"};
+  diagnosis.predictive->observed = Vector::Ones(1);
+  EXPECT_EQ(finding_of(Check::predictive).severity, Severity::wrong);
+  EXPECT_EQ(finding_of(Check::predictive).what, "");
+  EXPECT_NE(finding_of(Check::predictive).evidence, "") << "for the table";
+  EXPECT_TRUE(has(finding_of(Check::fit).what, ". Posterior predictive fails for the same reason"));
+  diagnosis.training->generalization_gap = 9.0;
+  diagnosis.ood->p_value = 1e-5;
+  EXPECT_EQ(finding_of(Check::fit).what, "");
+  EXPECT_TRUE(has(finding_of(Check::ood).what, ". Posterior predictive and RMSE fail for the"));
+  const CheckSummary summary = check_summaries(data_).front();
+  EXPECT_EQ(summary.failed.size(), 4u);
+  ASSERT_EQ(summary.reasons.size(), 2u);
+  EXPECT_EQ(summary.reasons.front().id, "ood") << "the cause first";
+  EXPECT_EQ(summary.reasons.back().id, "training.gap");
 }
 
 // Samples of the exact posterior of a linear model with white noise of N = 2 D + 10 values: the
@@ -228,7 +233,14 @@ class Contradictions : public Verdicts {
     plan_.study.policy.search.kind = inference::PolicyOptimizerKind::power;
     for (MethodConfig& method : plan_.study.methods) method.num_iterations = 2;
   }
-  std::string reason() const { return finding_of(Check::contraction).what; }
+  std::string reason() const {
+    std::string words;
+    for (const char* id : {"contraction.seeds", "contraction.methods"}) {
+      const std::optional<Finding> found = remark_of(id);
+      if (found) words += found->what + ", " + found->evidence;
+    }
+    return words;
+  }
 };
 
 TEST_F(Contradictions, OfSeedsAreNoneWhereEachHasAnObservationOfItsOwn) {
@@ -244,8 +256,8 @@ TEST_F(Contradictions, OfEachMethodAreSaidByItsFarthestParameter) {
   plan_.study.methods.back().name = "Third";
   add_method("NPDR (MoG)", 1.1);
   add_method("Third", 1.1).col(1) = samples_around(1.2, 0.02).col(1);
-  EXPECT_TRUE(says(
-      reason(), {"contradicts NPDR (MoG) about pole_mass (3.5), Third about pole_length (7.1)"}));
+  EXPECT_TRUE(
+      has(reason(), {"NPDR (MoG) another pole_mass and Third another pole_length", "7.1 times"}));
 }
 
 // Seeds that lie apart widen what they say together, but not what any of them is sure of.
@@ -253,7 +265,7 @@ TEST_F(Contradictions, OfMethodsAreSaidWhereSeedsContradictEachOther) {
   data_.seeds = {1, 2};
   add_method("NPDR (MoG)", 1.07);
   add_run_of("NPDR (MoG)", 1.15).use.seed = 2;
-  EXPECT_TRUE(says(reason(), {"contradicts NPDR (MoG) about pole_mass (3.9)"}));
+  EXPECT_TRUE(has(reason(), {"NPDR (MoG) another pole_mass", "3.9 times"}));
 }
 
 TEST_F(Contradictions, ArentThoseOfWhatIsKnownOfSamplesWithoutWidthOrOfLoops) {

@@ -21,14 +21,34 @@ class ReportMarker : public FolderTest {
 TEST_F(ReportMarker, KeepsTheVerdicts) {
   Node node;
   node.path = folder_ / "report.json";
-  mark_report(node, "s.toml", {}, {{"A", 7, {"Training"}, {"RMSE"}, {}, {"why"}}});
+  const Finding reason = {.id = "training.gap",
+                          .severity = Severity::wrong,
+                          .where = "Training",
+                          .what = "what",
+                          .evidence = "5 (fine up to 3)",
+                          .advice = "do"};
+  mark_report(node, "s.toml", {}, {{"A", 7, {"Training"}, {"RMSE"}, {}, {reason}}});
   const CheckSummary found = read_check_summaries(node).front();
   EXPECT_EQ(words_of(found), "A: 1 of 7 checks FAIL: Training; can't tell: RMSE");
-  EXPECT_EQ(found.reasons, std::vector<std::string>{"why"});
+  ASSERT_EQ(found.reasons.size(), 1u);
+  EXPECT_EQ(found.reasons.front().id, reason.id);
+  EXPECT_EQ(found.reasons.front().severity, reason.severity);
+  EXPECT_EQ(found.reasons.front().where, reason.where);
+  EXPECT_EQ(lines_of(found.reasons.front()), lines_of(reason));
   folder_.file("report.json", "{}");
   EXPECT_THROW(read_check_summaries(node), InputError);
   std::filesystem::remove(node.path);
   EXPECT_TRUE(read_check_summaries(node).empty()) << "another run may be making it anew";
+}
+
+TEST_F(ReportMarker, SaysWhatCantBeTrusted) {
+  CheckSummary summary{.method = "A", .num_checks = 7};
+  EXPECT_TRUE(has(trust_of(summary), "Trust its parameters and error bars"));
+  summary.unknown = {"Bounds of the prior"};
+  EXPECT_TRUE(has(trust_of(summary), "Too little is known to trust its parameters."));
+  summary.failed = {"Residuals", "Held-out rollouts"};
+  EXPECT_TRUE(has(trust_of(summary), "Don't trust its error bars and predictions."));
+  EXPECT_EQ(trust_of({.method = "A"}), "") << "nothing was checked";
 }
 
 TEST_F(ReportMarker, TellsOfAllThatItsReportShows) {

@@ -43,24 +43,25 @@ class SpoiledMethod : public Verdicts {
   // Words of the summary, and each check's.
   std::vector<std::string> said() const {
     const CheckSummary summary = check_summaries(data_).front();
-    std::vector<std::string> lines = {words_of(summary)};
-    std::string told;
-    for (const Finding& verdict : findings_of(data_, kMethod)) {
-      lines.push_back(verdict.id + ": " + verdict.evidence);
-      if (!verdict.what.empty()) lines.back() += "\n  " + verdict.what;
-      told += verdict.what + "\n";
+    std::vector<std::string> lines = {words_of(summary), trust_of(summary)};
+    for (const Finding& finding : findings_of(data_, kMethod)) {
+      lines.push_back(finding.id + ": " + words_of_parts(finding));
     }
-    for (const std::string& reason : summary.reasons) {
-      const std::size_t words = reason.find(": ") + 2;
-      if (told.find(reason.substr(std::min(words, reason.size()))) == std::string::npos) {
-        lines.push_back(reason);
-      }
+    for (const Finding& reason : summary.reasons) {
+      if (reason.id != "unchecked") continue;
+      lines.push_back(reason.where + ": " + words_of_parts(reason));
     }
     return lines;
   }
 
  private:
   void TestBody() override {}
+
+  static std::string words_of_parts(const Finding& finding) {
+    std::string words = name_of(finding.severity);
+    for (const std::string& line : lines_of(finding)) words += "\n  " + line;
+    return words;
+  }
 
   static bool is_of_study(const std::string& statement) {
     const std::size_t sign = statement.find('=');
