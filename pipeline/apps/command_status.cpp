@@ -133,7 +133,7 @@ void print_cost_tables(const Plan& plan) {
   std::vector<CostRow> by_stage, by_method, all;
   for (const Node& node : plan.nodes) {
     const ArtefactStatus status = status_of(plan, node);
-    if (!status.is_made()) continue;
+    if (!status.is_made) continue;
     const std::string& method = node.uses.front().method;
     add_cost(by_stage, name_of(node.stage), status);
     add_cost(by_method, method.empty() ? "(all methods)" : method, status);

@@ -209,15 +209,17 @@ std::vector<std::string> warnings_of(const h5::File& file) {
 }
 
 std::string failures(const h5::File& simulation) {
+  const auto rows = simulation.dataset("status").read<std::uint8_t>();
   std::map<std::uint8_t, Index> counts;
-  for (const std::uint8_t s : simulation.dataset("status").read<std::uint8_t>()) ++counts[s];
+  for (const std::uint8_t s : rows) ++counts[s];
   std::vector<std::string> parts;
   for (const auto& [status, count] : counts) {
     if (status == 0) continue;
     parts.push_back(
         fmt::format("{} {}", count, sim::to_string(static_cast<sim::RolloutStatus>(status))));
   }
-  return join(parts);
+  const double share = 1.0 - static_cast<double>(counts[0]) / static_cast<double>(std::ssize(rows));
+  return fmt::format("{:.3g} %: {}", 100.0 * share, join(parts));
 }
 
 void list_simulation(Layout f) {

@@ -57,7 +57,7 @@ void write_warnings(h5::File& file, const std::vector<std::string>& warnings);
 /// Empty: none. Throws InputError.
 std::vector<std::string> warnings_of(const h5::File& file);
 
-/// "3 crashed, 1 timed_out": how the rows of an open simulation failed. Throws InputError.
+/// "2 %: 3 crashed, 1 timed_out": how the rows of an open simulation failed. Throws InputError.
 std::string failures(const h5::File& simulation);
 
 }  // namespace npdr::pipeline

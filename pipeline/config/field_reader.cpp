@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include "pipeline/config/study_fields.h"
 
@@ -127,6 +128,10 @@ FieldTree plain(const FieldTree& json) {
   return copy;
 }
 
+bool is_list_of_tables(const FieldTree& json) {
+  return json.is_array() && std::ranges::all_of(json, &FieldTree::is_object);
+}
+
 template <class T>
 bool read_as(const FieldTree& json, bool is_of_type, T& value) {
   if (is_of_type) value = json.get<T>();
@@ -139,6 +144,20 @@ void reject(const FieldSlot& slot, const std::string& words,
             const std::vector<std::string>& names) {
   const std::string found = slot.reading.is_of_json() ? slot.json.dump() : inline_text(slot.json);
   slot.reading.reject(slot.path, shortened(found), words, names);
+}
+
+void reject_kind(const FieldSlot& slot, Field::Kind kind, const std::string& words) {
+  const bool is_list = slot.json.is_array() && !slot.json.empty() && is_list_of_tables(slot.json);
+  const bool is_other = kind == Field::Kind::list ? slot.json.is_object() : is_list;
+  if (slot.reading.is_of_json() || kind == Field::Kind::value || !is_other) {
+    return kind == Field::Kind::list ? slot.reading.fail(slot.path, words) : reject(slot, words);
+  }
+  const std::string name = display(slot.path);
+  const std::string one = "[" + name + "]", several = "[[" + name + "]]";
+  const auto& [right, wrong] = is_list ? std::tie(one, several) : std::tie(several, one);
+  slot.reading.fail(slot.path, fmt::format("write {} in place of {}: {}", right, wrong,
+                                           is_list ? "there is one such table"
+                                                   : "there may be several such tables"));
 }
 
 bool read_distribution(const FieldSlot& slot, Marginal& marginal) {
@@ -237,11 +256,10 @@ std::pair<std::string, const FieldTree*> FieldReader::look_up(const std::string&
 std::size_t FieldReader::count_tables(const std::string& path, const FieldTree* json, int minimum) {
   if (json == nullptr && minimum == 0) return 0;
   const bool may_be_empty = reading_.is_of_json();  // TOML has no empty list of tables
-  if (json == nullptr || !json->is_array() || (json->empty() && !may_be_empty) ||
-      !std::ranges::all_of(*json, &FieldTree::is_object)) {
+  if (json == nullptr || !is_list_of_tables(*json) || (json->empty() && !may_be_empty)) {
     const std::string tables = "[[" + display(path) + "]] table";
-    reading_.fail(path,
-                  minimum > 0 ? "needs at least one " + tables : "must be made of " + tables + "s");
+    reject_kind({json == nullptr ? FieldTree() : *json, path, reading_}, Field::Kind::list,
+                minimum > 0 ? "needs at least one " + tables : "must be made of " + tables + "s");
     return 0;
   }
   constexpr std::size_t most = 1000;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "pipeline/config/constraint.h"
@@ -64,6 +65,15 @@ std::string type_and_words(const Constraint<C>& allowed) {
   return type_name<T>() + (allowed.words.empty() ? "" : ", " + allowed.words);
 }
 
+/// Whether a field of type T is a table of a study file.
+template <class T>
+inline constexpr bool kIsTable = std::is_same_v<T, FreeTable> ||
+                                 std::is_same_v<T, std::vector<inference::Marginal>> || requires {
+  typename T::mapped_type;
+};
+template <class T>
+inline constexpr bool kIsTable<std::optional<T>> = kIsTable<T>;
+
 /// A value that is being read, its dotted path and the reading it belongs to.
 struct FieldSlot {
   const FieldTree& json;
@@ -74,6 +84,10 @@ struct FieldSlot {
 /// Adds `path = value, must be words` to the problems of the reading.
 void reject(const FieldSlot& slot, const std::string& words,
             const std::vector<std::string>& names = {});
+
+/// The same of a value that isn't of a field's kind: where it is a table in place of a list of
+/// tables, or the other way round, how many brackets its header needs.
+void reject_kind(const FieldSlot& slot, Field::Kind kind, const std::string& words);
 
 /// False when the value is of another type, which the caller says. Tables whose keys are names of
 /// the user's own choice report what is wrong inside of them.
@@ -144,7 +158,8 @@ class FieldReader {
         reading_.fail(path, display(path) + " is missing, must be " + type_and_words<T>(allowed));
       }
     } else if (T read{}; !read_value({*json, path, reading_}, read)) {
-      reject({*json, path, reading_}, type_and_words<T>(allowed));
+      reject_kind({*json, path, reading_}, kIsTable<T> ? Field::Kind::table : Field::Kind::value,
+                  type_and_words<T>(allowed));
     } else if (!satisfies(read, allowed)) {
       reject({*json, path, reading_}, allowed.words, allowed.names);
     } else {
@@ -161,7 +176,9 @@ class FieldReader {
              const FieldUse& use = {}) {
     const auto [path, json] = look_up(key);
     fields_.push_back({Field::Kind::table, path, key, std::string(doc), use});
-    if (json != nullptr && !json->is_object()) return reject({*json, path, reading_}, "a table");
+    if (json != nullptr && !json->is_object()) {
+      return reject_kind({*json, path, reading_}, Field::Kind::table, "a table");
+    }
     fields_.back().members.push_back(FieldReader(json, path, reading_).read(body));
   }
 

@@ -20,13 +20,32 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMaxBytes = 10'000'000;
 constexpr Index kTruthRollouts = 5;
 
+// The study that a name of none may mean: its end left out, or a letter wrong.
+std::string advice_on_name(const fs::path& file, const std::string& otherwise) {
+  std::error_code error;
+  if (fs::is_regular_file(file, error)) return otherwise;
+  std::string meant = file.filename().string() + ".toml";
+  if (!fs::is_regular_file(file.parent_path() / meant, error)) {
+    std::vector<std::string> studies;
+    for (const auto& entry : fs::directory_iterator(file.parent_path() / ".", error)) {
+      if (entry.path().extension() == ".toml") studies.push_back(entry.path().filename().string());
+    }
+    std::ranges::sort(studies);
+    meant = nearest_name(file.filename().string(), studies);
+  }
+  return meant.empty() ? otherwise : "did you mean " + (file.parent_path() / meant).string() + "?";
+}
+
 std::string read_text(const fs::path& file) {
   const std::string name = file.string();
   std::error_code unreadable;
   if (fs::is_directory(file, unreadable))
-    throw InputError(name + ": is a folder, must be a study file");
+    throw InputError(name + ": is a folder, " + advice_on_name(file, "must be a study file"));
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(name + ": can't be opened; does it exist and may you read it?");
+  if (!stream) {
+    throw InputError(name + ": can't be opened; " +
+                     advice_on_name(file, "does it exist and may you read it?"));
+  }
   // Read through a limit instead of asking for the size, which pipes and devices don't have.
   std::string text(kMaxBytes + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));

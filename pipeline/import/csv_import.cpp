@@ -282,7 +282,11 @@ ImportedRecording import_csv(const std::vector<std::filesystem::path>& paths,
            compute_rates(target, first.lacking,
                          {*options.differentiate, options.at_rest, options.resample.has_value()}));
   }
-  if (options.check_rates) append(found, check_rates(target, first, std::move(turns), glitches));
+  if (options.check_rates) {
+    append(found, check_rates(target, first, std::move(turns), glitches));
+  } else {
+    found.push_back(note_of_unchecked(target, measured(rate_pairs(first.states), first)));
+  }
   name_rollouts(paths, target);
   append(found, cut_rollouts(target, options.length));
   target.source = options.source.empty() ? source_of(paths) : options.source;

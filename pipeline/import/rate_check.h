@@ -66,4 +66,7 @@ std::vector<Index> find_leaps(const Vector& position, const Vector& rate, double
 Findings find_in_rates(const Target& target, const std::vector<RatePair>& pairs,
                        const std::string& time, const std::string& of_options = "");
 
+/// Words for a recording that is imported without these checks. `pairs`: rates that were measured.
+Finding note_of_unchecked(const Target& target, const std::vector<RatePair>& pairs);
+
 }  // namespace npdr::pipeline

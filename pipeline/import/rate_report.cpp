@@ -9,7 +9,7 @@
 #include "core/text.h"
 #include "pipeline/import/jumps.h"
 #include "pipeline/import/rate_check.h"
-#include "pipeline/store/column_labels.h"
+#include "pipeline/import/swaps.h"
 
 namespace npdr::pipeline {
 namespace {
@@ -88,15 +88,6 @@ std::optional<double> slight_ratio(const std::vector<RateFit>& fits, Index num_s
   return off > limit && most - least < practical ? shared_ratio(ratios) : std::nullopt;
 }
 
-// Without jumps by whole turns, which are told elsewhere.
-Vector unwrapped(const Target& target, const Rollout& rollout, Index c) {
-  Vector values = rollout.states.col(c);
-  const AngleJumps jumps =
-      find_jumps(values, target.state_channels[static_cast<std::size_t>(c)].unit);
-  if (!jumps.rows.empty()) unwrap(values, jumps.period);
-  return values;
-}
-
 CheckedPair checked(const Target& target, const RatePair& pair) {
   CheckedPair result{.position = target.state_channels[static_cast<std::size_t>(pair.position)],
                      .rate = target.state_channels[static_cast<std::size_t>(pair.rate)]};
@@ -120,35 +111,17 @@ CheckedPair checked(const Target& target, const RatePair& pair) {
   return result;
 }
 
-bool agrees(const std::optional<RateFit>& fit) {
-  return !fit || verdict_of(*fit) == RateVerdict::agrees;
-}
-
-// In every rollout.
-bool is_slope(const Target& target, Index rate, Index position) {
-  return std::ranges::all_of(target.rollouts, [&](const Rollout& rollout) {
-    const std::optional<RateFit> fit =
-        fit_rate(unwrapped(target, rollout, position), rollout.states.col(rate), target.dt);
-    return fit && agrees(fit);
-  });
-}
-
-// Of a pair that doesn't agree: its position is the slope of its rate, or another rate is that of
-// its position. "": neither.
-std::string words_of_swap(const Target& target, const std::vector<RatePair>& pairs,
-                          const RatePair& pair) {
-  const auto labels = labels_of(target.state_channels);
-  const auto label = [&](Index c) { return labels[static_cast<std::size_t>(c)]; };
-  if (is_slope(target, pair.position, pair.rate)) {
-    return fmt::format("{} is the slope of {}: the two columns are swapped; correct the header",
-                       label(pair.position), label(pair.rate));
+// Columns, states first, that are no part of a pair that agrees.
+std::vector<Index> unexplained_columns(const Target& target, const std::vector<RatePair>& pairs,
+                                       const std::vector<CheckedPair>& checked) {
+  std::vector<Index> free;
+  for (Index c = 0; c < target.num_states() + target.num_actions(); ++c) free.push_back(c);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!std::ranges::all_of(checked[i].fits, agrees)) continue;
+    std::erase(free, pairs[i].position);
+    std::erase(free, pairs[i].rate);
   }
-  const auto other = std::ranges::find_if(pairs, [&](const RatePair& p) {
-    return p.position != pair.position && is_slope(target, p.rate, pair.position);
-  });
-  if (other == pairs.end()) return "";
-  return fmt::format("{} isn't the slope of {}, but {} is: are columns swapped? Correct the header",
-                     label(pair.rate), label(pair.position), label(other->rate));
+  return free;
 }
 
 bool is_known(const CheckedPair& pair) {
@@ -236,9 +209,9 @@ std::string problem_of_fit(const CheckedPair& pair, const RateFit& fit,
                            const std::string& of_options) {
   if (verdict_of(fit) == RateVerdict::unrelated) {
     return fmt::format(
-        "{} isn't the slope of {}: is it another quantity's? Rename its column and add "
-        "--differentiate{}",
-        pair.rate.label, pair.position.label, of_options);
+        "{} isn't the slope of {}: one of both columns holds another quantity; correct the header. "
+        "Only where {} is right, rename the column {} and add --differentiate{}",
+        pair.rate.label, pair.position.label, pair.position.label, pair.rate.label, of_options);
   }
   return mismatch(pair, fit.ratio) + ", unlike in other files: correct this one";
 }
@@ -298,12 +271,29 @@ std::string words_of_check(const CheckedPair& pair) {
 
 }  // namespace
 
+Finding note_of_unchecked(const Target& target, const std::vector<RatePair>& pairs) {
+  std::vector<std::string> words = {"units, signs and the order of columns",
+                                    "whether angles wrap or leap"};
+  for (const RatePair& pair : pairs) {
+    const auto label = [&](Index c) {
+      return target.state_channels[static_cast<std::size_t>(c)].label;
+    };
+    words.push_back(
+        fmt::format("whether {} is the slope of {}", label(pair.rate), label(pair.position)));
+  }
+  return note("not checked, for --no-rate-check: " + join(words));
+}
+
 Findings find_in_rates(const Target& target, const std::vector<RatePair>& pairs,
                        const std::string& time, const std::string& of_options) {
   std::vector<CheckedPair> all;
-  for (const RatePair& pair : pairs) {
-    CheckedPair& found = all.emplace_back(checked(target, pair));
-    if (!std::ranges::all_of(found.fits, agrees)) found.swap = words_of_swap(target, pairs, pair);
+  for (const RatePair& pair : pairs) all.push_back(checked(target, pair));
+  const std::vector<Index> free = unexplained_columns(target, pairs, all);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    CheckedPair& pair = all[i];
+    if (std::ranges::all_of(pair.fits, agrees)) continue;
+    const bool is_unit = pair.ratio && known_ratio(*pair.ratio, pair.position.unit) != nullptr;
+    pair.swap = words_of_swap(target, pairs[i], is_unit ? std::vector<Index>{} : free);
   }
   if (const std::optional<double> factor = factor_of_dt(all)) {
     return {warning(dt_problem(all, target.dt, *factor, time) + of_options)};

@@ -13,6 +13,7 @@
 #include "core/text.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/plan/completeness.h"
+#include "pipeline/run/run_progress.h"
 #include "pipeline/store/hostile_json.h"
 #include "pipeline/store/seal.h"
 
@@ -175,6 +176,7 @@ void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, Artefact
   if (is_complete(plan, node)) {
     status.state = ArtefactState::up_to_date;
     if (node.stage != Stage::report) check_artefact(plan, node, scrutiny, status);
+    status.is_made = true;
     return;
   }
   if (scrutiny == Scrutiny::thorough && node.stage == Stage::simulate) {
@@ -192,7 +194,13 @@ void read_status(const Plan& plan, const Node& node, Scrutiny scrutiny, Artefact
   std::error_code error;
   const auto size = fs::file_size(log, error);
   if (error || size == 0) return;
-  status.detail += (part ? "; " : "") + ("what its jobs have said: " + log.string());
+  if (part) status.detail += "; ";
+  if (const auto failure = failure_in(log, node.key)) {
+    status.state = ArtefactState::failed;
+    status.detail += fmt::format("{}; log: {}", *failure, log.string());
+  } else {
+    status.detail += "what its jobs have said: " + log.string();
+  }
 }
 
 }  // namespace
@@ -262,6 +270,7 @@ std::vector<std::string> reasons(const Plan& plan, const Node& node) {
   if (status.state == ArtefactState::partial && !status.earlier) {
     return {"it isn't finished: " + status.detail};
   }
+  if (status.state == ArtefactState::failed) return {"its last run failed: " + status.detail};
   std::vector<std::string> lines;
   if (const auto earlier = earlier_artefact(plan, node)) {
     compare("", node.identity.key_document, document_of(*earlier), lines);

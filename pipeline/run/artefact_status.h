@@ -18,7 +18,7 @@ enum class ArtefactState {
   stale,    ///< there is one of an earlier version of the study
   partial,  ///< some shards, or a training checkpoint
   missing,
-  failed,  ///< a complete simulation with more failed rows than the study allows
+  failed,  ///< its last run failed, or it is a simulation with too many failed rows
 };
 
 constexpr auto enum_table(ArtefactState) {
@@ -32,18 +32,15 @@ constexpr auto enum_table(ArtefactState) {
 
 struct ArtefactStatus {
   ArtefactState state = ArtefactState::missing;
-  /// "3 of 10 shards", "damaged, remove it: ...", "can't be used: ...", why it failed, or, where it
-  /// isn't up to date, "what its jobs have said: LOG"; may be empty.
+  /// "3 of 10 shards", "damaged, remove it: ...", "can't be used: ...", why it failed and the log,
+  /// or, where it isn't up to date, "what its jobs have said: LOG"; may be empty.
   std::string detail;
   std::uintmax_t bytes = 0;  ///< on disk, shards included
   Cost cost;                 ///< nothing: not known
+  bool is_made = false;      ///< complete, and sound
   bool is_sound = true;      ///< false: it is there, but damaged or can't be read
   /// The artefact of an earlier version, when there is one.
   std::optional<std::filesystem::path> earlier;
-
-  bool is_made() const {
-    return state == ArtefactState::up_to_date || state == ArtefactState::failed;
-  }
 };
 
 /// Depth of a look at files: what they say about themselves, or every byte of them.

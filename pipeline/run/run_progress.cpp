@@ -60,6 +60,11 @@ std::string how_it_ended(int status) {
   return fmt::format("killed by signal {}{}", signal, what_now);
 }
 
+// Begins the last line of a log.
+std::string failure_mark(const std::string& key) {
+  return fmt::format("npdr: artefact {} failed: ", key);
+}
+
 }  // namespace
 
 RunCosts::RunCosts(const Plan& plan) : plan_(plan) {
@@ -144,6 +149,31 @@ std::string log_line(const RunProgress& run) {
                                  run.num_missing, time_text(run));
   for (const std::string& job : run.jobs) text += " | " + job;
   return text;
+}
+
+void log_failure(const std::filesystem::path& log, const std::string& key, int status,
+                 const std::vector<std::string>& said) noexcept {
+  const auto is_error = [](const std::string& line) {
+    return !line.starts_with("warning: ") && !line.starts_with("note: ");
+  };
+  try {
+    const auto cause = std::ranges::find_if(said, is_error);
+    std::ofstream(log, std::ios::app)
+        << failure_mark(key) << how_it_ended(status)
+        << (cause == said.end() ? "" : ": " + printable_line(*cause)) << "\n";
+  } catch (const std::exception&) {
+    // The run itself says so, too.
+  }
+}
+
+std::optional<std::string> failure_in(const std::filesystem::path& log, const std::string& key) {
+  const std::string mark = failure_mark(key);
+  std::ifstream file(log);
+  std::optional<std::string> failure;
+  for (std::string line; std::getline(file, line);) {
+    failure = line.starts_with(mark) ? std::optional(line.substr(mark.size())) : std::nullopt;
+  }
+  return failure;
 }
 
 std::string FailureWords::tell(const std::string& label, int status,

@@ -83,6 +83,15 @@ struct JobLog {
   std::uintmax_t begin = 0;  ///< where what the job wrote begins
 };
 
+/// Ends the log of a job that failed with `status`: key of the artefact, how the job ended, and the
+/// first of its own words `said` that are no warning. Never throws.
+void log_failure(const std::filesystem::path& log, const std::string& key, int status,
+                 const std::vector<std::string>& said) noexcept;
+
+/// "exit status 1: no memory", where such a failure of the artefact `key` is the last that its log
+/// tells.
+std::optional<std::string> failure_in(const std::filesystem::path& log, const std::string& key);
+
 /// Tells each cause once: a simulator that can't be used lets every job fail that asks it.
 class FailureWords {
  public:

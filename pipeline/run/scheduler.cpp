@@ -211,9 +211,11 @@ void Scheduler::end_of(const Job& job) {
   if (status == static_cast<int>(ExitStatus::checkpointed) || is_stop_signal(status - 128)) {
     stopping_ = true;
     if (stop_requested()) return;  // else somebody stopped that job alone
-  } else if (status_ == ExitStatus::done) {
+  } else {
+    log_failure(job.log.path, node.key, status, job.process.said());
     const bool is_known = status == 2 || status == 3;
-    status_ = is_known ? static_cast<ExitStatus>(status) : ExitStatus::failed;
+    const ExitStatus failure = is_known ? static_cast<ExitStatus>(status) : ExitStatus::failed;
+    if (status_ == ExitStatus::done) status_ = failure;
   }
   lines_.clear();
   print(failures_.tell(node.label(), status, job.process.said(), job.log));

@@ -33,10 +33,22 @@ std::string tail_of(const std::string& text) {
 
 }  // namespace
 
+double chance_of_failures(Index num_failed, Index num_rows, double max_failed_fraction) {
+  if (num_failed == 0 || max_failed_fraction >= 1.0) return 1.0;
+  const auto log_factorial = [](Index i) { return std::lgamma(static_cast<double>(i) + 1.0); };
+  double chance = 0.0;
+  for (Index i = num_failed; max_failed_fraction > 0.0 && i <= num_rows; ++i) {
+    const auto failed = static_cast<double>(i), good = static_cast<double>(num_rows - i);
+    chance +=
+        std::exp(log_factorial(num_rows) - log_factorial(i) - log_factorial(num_rows - i) +
+                 failed * std::log(max_failed_fraction) + good * std::log1p(-max_failed_fraction));
+  }
+  return chance;
+}
+
 Index hopeless_rows(double max_failed_fraction) {
-  constexpr double level = 1e-9;
   if (max_failed_fraction >= 1.0) return std::numeric_limits<Index>::max();
-  const double rows = std::ceil(std::log(level) / std::log(max_failed_fraction));
+  const double rows = std::ceil(std::log(kHopelessChance) / std::log(max_failed_fraction));
   return static_cast<Index>(std::max(rows, 4.0));
 }
 

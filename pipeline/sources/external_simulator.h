@@ -29,8 +29,14 @@ namespace npdr::pipeline {
 /// failures is known: if half of all rows fail, by chance once in 2^33 rows.
 inline constexpr Index kHopelessRows = 32;
 
-/// The same number where a share of `max_failed_fraction` may fail: by chance once in 10^9 times;
-/// 7 for 0.05, 4 at least.
+/// Failures that are less likely than this mean that the simulator fails more often than it may.
+inline constexpr double kHopelessChance = 1e-9;
+
+/// P(at least `num_failed` of `num_rows` rows fail) where a share of `max_failed_fraction` does.
+double chance_of_failures(Index num_failed, Index num_rows, double max_failed_fraction);
+
+/// The same number as kHopelessRows where a share of `max_failed_fraction` may fail: by chance once
+/// in 10^9 times; 7 for 0.05, 4 at least.
 Index hopeless_rows(double max_failed_fraction);
 
 /// Several may work at the same time, one a thread.

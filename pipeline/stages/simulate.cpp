@@ -12,6 +12,7 @@
 #include "pipeline/plan/completeness.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/process/progress.h"
+#include "pipeline/sources/external_simulator.h"
 #include "pipeline/sources/first_rows.h"
 #include "pipeline/stages/stages.h"
 
@@ -29,6 +30,7 @@ struct Simulation {
   h5::Dataset proposal;
   std::unique_ptr<RowSimulator> simulator;
   StreamId id;
+  Index num_done = 0, num_failed = 0;  // rows of this process
 };
 
 Simulation make_simulation(const Plan& plan, const Node& node) {
@@ -96,32 +98,48 @@ bool is_checked(const Simulation& simulation, Index row) {
   return row == 0 && simulation.node.uses.front().round == 1;
 }
 
-// A study that none of the first rows of a user's simulator is good for has no use for the others:
-// where its limit is at most 0.7, so many fail by chance once in 8e9 times.
-void require_a_good_row(const Simulation& simulation, const GivenRows& rows) {
-  constexpr double highest_limit = 0.7;
-  const LimitsConfig& limits = simulation.plan.study.limits;
-  const auto is_good = [](sim::RolloutStatus status) { return status == sim::RolloutStatus::ok; };
-  const bool are_all = rows.complete.rows() == num_rows(simulation.plan, simulation.node);
-  const bool is_quick = simulation.plan.study.source().is_built_in;
-  if (is_quick || are_all || rows.complete.rows() < kCheckedRows ||
-      limits.max_failed_fraction > highest_limit ||
-      std::ranges::any_of(rows.result.status, is_good)) {
-    return;
-  }
+Index count_failed(const std::vector<sim::RolloutStatus>& status) {
+  return std::ssize(status) - std::ranges::count(status, sim::RolloutStatus::ok);
+}
+
+// Why the others aren't simulated: so many of the `num_rows` that were have failed.
+[[noreturn]] void stop_for_failures(const Simulation& simulation, Index num_failed, Index num_rows,
+                                    const char* which) {
+  const Study& study = simulation.plan.study;
   const std::string last = simulation.simulator->last_failure();
   throw FailedRolloutsError(fmt::format(
-      "{}: each of the first {} rows failed ({}{}), limits.max_failed_fraction = {}: others aren't "
-      "simulated; {}",
-      simulation.node.label(), kCheckedRows, to_string(rows.result.status.front()),
-      last.empty() ? "" : ": " + last, limits.max_failed_fraction,
-      simulation.plan.study.source().advice));
+      "{}: {} of {}{} rows failed ({:.3g} %), limits.max_failed_fraction = {}: others aren't "
+      "simulated; {}{}",
+      simulation.node.label(), num_failed, which, num_rows,
+      100.0 * static_cast<double>(num_failed) / static_cast<double>(num_rows),
+      study.limits.max_failed_fraction, study.source().advice,
+      last.empty() ? "" : "; the last: " + last));
+}
+
+// A study of whose first rows too many fail has no use for the others of a user's simulator.
+void require_good_beginning(const Simulation& simulation, const GivenRows& rows) {
+  const Index count = rows.complete.rows();
+  const bool are_all = count == num_rows(simulation.plan, simulation.node);
+  if (are_all || count < kCheckedRows || !simulation.plan.study.source().runs_users_code()) return;
+  const Index num_failed = count_failed(rows.result.status);
+  const double limit = simulation.plan.study.limits.max_failed_fraction;
+  if (chance_of_failures(num_failed, count, limit) > kHopelessChance) return;
+  stop_for_failures(simulation, num_failed, count, "the first ");
+}
+
+// The same once more rows have failed than may of all, whatever becomes of the others.
+void require_hope(const Simulation& simulation) {
+  const auto all = static_cast<double>(num_rows(simulation.plan, simulation.node));
+  const double most = simulation.plan.study.limits.max_failed_fraction * all;
+  const bool is_hopeless = static_cast<double>(simulation.num_failed) > most;
+  if (!is_hopeless || !simulation.plan.study.source().runs_users_code()) return;
+  stop_for_failures(simulation, simulation.num_failed, simulation.num_done, "");
 }
 
 // Tells people at once, and the report for good, what is probably wrong with rows. It has
 // what all rows together say.
 std::vector<std::string> check_block(const Simulation& simulation, const GivenRows& given) {
-  require_a_good_row(simulation, given);
+  require_good_beginning(simulation, given);
   const FirstRows rows{simulation.plan.study, simulation.target,
                        simulation.plan.source->info().state_channels, *simulation.simulator, given};
   const bool are_all = given.complete.rows() == num_rows(simulation.plan, simulation.node);
@@ -154,7 +172,7 @@ void check_second_block(const Simulation& simulation, const GivenRows& given,
 
 // Rows [begin, begin + count) of the simulation, from row `at` of the shard's file. `warnings` of
 // the shard grow by theirs.
-void write_block(h5::File& file, const Simulation& simulation, Index begin, Index at, Index count,
+void write_block(h5::File& file, Simulation& simulation, Index begin, Index at, Index count,
                  std::vector<std::string>& warnings) {
   const auto start = Clock::now();
   const RowMatrix theta = read_proposal(simulation.proposal, {begin, begin + count});
@@ -163,6 +181,8 @@ void write_block(h5::File& file, const Simulation& simulation, Index begin, Inde
   const RowMatrix complete = simulation.plan.source->parameters().complete(theta);
   const sim::Trajectories result = simulation.simulator->simulate(complete, first);
   const double seconds = seconds_since(start);
+  simulation.num_done += count;
+  simulation.num_failed += count_failed(result.status);
   const std::vector<float> row_seconds(static_cast<std::size_t>(count),
                                        static_cast<float>(seconds / static_cast<double>(count)));
   const std::vector<std::uint8_t> status = as_bytes(result.status);
@@ -193,11 +213,14 @@ void simulate_shard(Simulation& simulation, const Shard& shard, Index done_befor
   std::vector<std::string> warnings;
   for (Index at = 0, rows = 0; at < count; at += rows) {
     stop_here_if_requested();
+    require_hope(simulation);
     const bool is_first = is_checked(simulation, shard.rows.begin + at);
     const Index block = is_first ? kCheckedRows : simulation.simulator->block_size(count);
     rows = std::min(block, count - at);
     write_block(writer.file(), simulation, shard.rows.begin + at, at, rows, warnings);
-    progress.update(done_before + at + rows);
+    progress.update(done_before + at + rows, simulation.num_failed > 0
+                                                 ? fmt::format("{} failed", simulation.num_failed)
+                                                 : "");
   }
   simulation.simulator->log_to({});
   write_warnings(writer.file(), warnings);

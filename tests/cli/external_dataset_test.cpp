@@ -93,7 +93,7 @@ TEST_F(ExternalDataset, FailedRowsOfADatasetAreTold) {
       "awk 'NR == 300 || NR == 700 { print \"nan,1\"; next } 1' x.csv > spoiled.csv && "
       "mv spoiled.csv x.csv");
   const Outcome outcome = npdr(0, {"run", "dataset.toml"});
-  EXPECT_TRUE(has(outcome.err, "2 of 1000 rows failed (2 diverged)"));
+  EXPECT_TRUE(has(outcome.err, "2 of 1000 rows failed (0.2 %: 2 diverged)"));
   EXPECT_TRUE((outcome.err.find("row 299 of the dataset, nan in 'total'") != std::string::npos) ||
               (outcome.err.find("row 699 of the dataset, nan in 'total'") != std::string::npos))
       << outcome.err;

@@ -70,6 +70,17 @@ TEST_F(StudySyntax, HostileFilesAreRefused) {
   }
 }
 
+TEST_F(StudySyntax, ANameOfNoStudyIsGuessedAt) {
+  folder_.file("mine.toml", "");
+  const std::string guess = "did you mean mine.toml?";
+  for (const char* name : {"mine", "mien.toml"}) {
+    EXPECT_TRUE(has(problem([&] { read_study(folder_ / name); }), guess)) << name;
+  }
+  std::filesystem::create_directory(folder_ / "mine");
+  EXPECT_TRUE(has(problem([&] { read_study(folder_ / "mine"); }), "is a folder, " + guess));
+  EXPECT_FALSE(has(problem([&] { read_study(folder_ / "another"); }), "did you mean"));
+}
+
 TEST_F(StudySyntax, ManyDotsThatAreAllowedDontOverflowTheStack) {
   EXPECT_TRUE(has(problems_of(dotted(4'999) + "a = 1"), "unknown key 'a'"));
   std::string digits;  // as many dots as may look like a number's

@@ -161,7 +161,7 @@ TEST(ArtefactStatus, IsStaleWhereTheStudysFolderIsALink) {
   EXPECT_TRUE(says(reasons(plan, node).front(), {"an earlier version's file was removed: "}));
 }
 
-TEST(ArtefactStatus, OfAJobThatFailedNamesItsLog) {
+TEST(ArtefactStatus, OfAJobThatFailedQuotesAndNamesItsLog) {
   const TempFolder folder;
   const std::string study = pendulum_study("failed").method("NPE");
   const Plan plan = make_plan(parse_study(study, "s.toml"), WorkFolder(folder.path()));
@@ -174,6 +174,17 @@ TEST(ArtefactStatus, OfAJobThatFailedNamesItsLog) {
   EXPECT_EQ(status.state, ArtefactState::missing);
   EXPECT_EQ(status.detail, "what its jobs have said: " + log.string());
   EXPECT_EQ(reasons(plan, node), (std::vector<std::string>{"it was never made", status.detail}));
+  log_failure(log, "another", 1, {"of an earlier study"});
+  EXPECT_EQ(status_of(plan, node).state, ArtefactState::missing);
+  log_failure(log, node.key, 1, {"warning: slow", "no memory", "anywhere"});
+  const ArtefactStatus failed = status_of(plan, node);
+  EXPECT_EQ(failed.state, ArtefactState::failed);
+  EXPECT_EQ(failed.detail, "exit status 1: no memory; log: " + log.string());
+  EXPECT_FALSE(failed.is_made);
+  EXPECT_EQ(reasons(plan, node),
+            (std::vector<std::string>{"its last run failed: " + failed.detail}));
+  std::ofstream(log, std::ios::app) << "npdr-infer: goes on\n";
+  EXPECT_EQ(status_of(plan, node).state, ArtefactState::missing);
 }
 
 }  // namespace

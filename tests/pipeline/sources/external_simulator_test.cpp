@@ -261,6 +261,15 @@ TEST_F(ExternalSimulators, FewerRowsAreHopelessWhereFewMayFail) {
 
 // However the first call fails: one good row of those that are asked for shows that rows are to
 // blame.
+TEST_F(ExternalSimulators, ManyFailuresAreUnlikelyWhereFewMayFail) {
+  EXPECT_EQ(chance_of_failures(0, 64, 0.0), 1.0);
+  EXPECT_EQ(chance_of_failures(1, 64, 0.0), 0.0);
+  EXPECT_EQ(chance_of_failures(64, 64, 1.0), 1.0);
+  EXPECT_NEAR(chance_of_failures(2, 3, 0.5), 0.5, 1e-12);
+  EXPECT_GT(chance_of_failures(18, 64, 0.05), kHopelessChance);
+  EXPECT_LT(chance_of_failures(19, 64, 0.05), kHopelessChance);
+}
+
 TEST_F(ExternalSimulators, RowsAtBothEndsMayFail) {
   ExternalSimulator simulator =
       program("BAD='0 1 2 3 4 5 6 7 8 9 63' WHAT=crash sh sim.sh", hopeless_rows(0.05));
