@@ -66,7 +66,7 @@ void print_judging(const Plan& plan) {
              study.target.recording && study.evaluate.floor ? ", and a search for the floor" : "");
   const Index diagnoses = num_of(plan, Stage::diagnose);
   if (diagnoses == 0) return;
-  const bool predicts = std::ranges::count(study.diagnose.checks, Check::predictive) > 0;
+  const bool predicts = study.diagnose.has(Check::predictive) || study.diagnose.has(Check::width);
   fmt::print("to check them: {} diagnos{}s, {} samples of each posterior{}\n", diagnoses,
              diagnoses == 1 ? "i" : "e", study.diagnose.num_samples,
              simulates && predicts ? ", those at the observation simulated" : "");

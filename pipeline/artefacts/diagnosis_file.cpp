@@ -137,6 +137,10 @@ void describe(Layout f, Diagnosis& d) {
   if (auto group = f.group("tarp", d.tarp)) describe(*group, *d.tarp);
   if (auto group = f.group("local_c2st", d.local_c2st)) describe(*group, *d.local_c2st);
   if (auto group = f.group("predictive", d.predictive)) describe(*group, *d.predictive);
+  if (auto group = f.group("width", d.width)) {
+    (*group)("excess", *d.width, {kParameter},
+             "how many times as wide as one observation leaves it, at least");
+  }
   if (auto group = f.group("ood", d.ood)) describe(*group, *d.ood, "p_value");
   if (auto group = f.group("failures", d.failures)) describe(*group, *d.failures);
   if (auto group = f.group("training", d.training)) describe(*group, *d.training, d.max_epochs);

@@ -58,6 +58,7 @@ struct Diagnosis {
   std::optional<CoverageResult> tarp;
   std::optional<inference::LocalC2st> local_c2st;
   std::optional<PredictiveResult> predictive;
+  std::optional<Vector> width;  ///< (D) inference::excess_width()
   std::optional<inference::OutOfDistribution> ood;
   std::optional<FailureResult> failures;
   std::optional<inference::TrainingCheck> training;

@@ -201,6 +201,51 @@ Findings judge<Check::predictive>(const MethodResults& m) {
   return {judge_p_value(m, {Check::predictive, words_of_prediction, too_few_predictions})};
 }
 
+// A limit that error bars of the right width exceed in one of 1000 cases, and those twice as wide
+// rarely miss (docs/methods.md).
+constexpr double kMostExcessWidth = 1.6;
+
+// A refinement that trusts the likelihood less is wider on purpose.
+double wanted_excess(const MethodResults& m) {
+  double power = 1.0;
+  for (const EvaluatedRun* run : m.runs) {
+    if (const auto& certificate = run->notes.certificate) {
+      power = std::min(power, certificate->power);
+    }
+  }
+  return 1.0 / std::sqrt(power);
+}
+
+template <>
+Findings judge<Check::width>(const MethodResults& m) {
+  const double limit = kMostExcessWidth * wanted_excess(m);
+  Index failed = 0;
+  double largest = -1.0;
+  std::string parameter;
+  for (const auto* run : m.diagnoses) {
+    if (!run->result.width) continue;
+    Index d = 0;
+    const double found = run->result.width->maxCoeff(&d);
+    failed += found > limit ? 1 : 0;
+    if (found <= largest) continue;
+    largest = found;
+    parameter = m.study.prior[static_cast<std::size_t>(d)].name;
+  }
+  if (largest < 0.0) return {passes({.evidence = "nothing random to compare with"})};
+  const std::string size = fmt::format(
+      "{} times the width that one observation leaves (fine up to "
+      "{})",
+      short_number(largest), short_number(limit));
+  if (failed == 0) return {passes({.evidence = size})};
+  const bool can_refine = m.study.source().gives_motion && !m.is(inference::Algorithm::refine);
+  return {fails({.what = fmt::format("the error bars of {} are too wide", parameter),
+                 .evidence = size + seeds_text(failed, m.diagnoses.size()),
+                 .advice = can_refine ? fmt::format("Add a method with algorithm = \"refine\" and "
+                                                    "refine.start = \"{}\"",
+                                                    m.method.name)
+                                      : advice_to_learn(m)})};
+}
+
 template <>
 Findings judge<Check::ood>(const MethodResults& m) {
   return {judge_p_value(m, {Check::ood, words_of_outlier, too_few_simulations})};

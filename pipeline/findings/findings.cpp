@@ -17,7 +17,7 @@ namespace {
 // A finding that explains others, which then aren't said.
 struct Cause {
   std::string_view id;  // of the finding, or of a check with all of its parts
-  std::array<std::optional<Check>, 7> consequences;
+  std::array<std::optional<Check>, 8> consequences;
 
   bool is(const Finding& finding) const {
     return finding.severity == Severity::wrong &&
@@ -29,11 +29,11 @@ struct Cause {
 constexpr auto causes() {
   using enum Check;
   return std::to_array<Cause>(
-      {{"ood", {predictive, fit, residuals, held_out, contraction, sampling, bounds}},
-       {"dataset", {predictive, fit, residuals, held_out, contraction, sampling, bounds}},
-       {"fit.floor", {residuals, predictive, held_out, bounds}},
-       {"fit.misfit", {residuals, predictive, held_out, bounds}},
-       {"training.unfinished", {sbc, coverage, tarp, local_c2st, predictive}}});
+      {{"ood", {predictive, width, fit, residuals, held_out, contraction, sampling, bounds}},
+       {"dataset", {predictive, width, fit, residuals, held_out, contraction, sampling, bounds}},
+       {"fit.floor", {residuals, predictive, width, held_out, bounds}},
+       {"fit.misfit", {residuals, predictive, width, held_out, bounds}},
+       {"training.unfinished", {sbc, coverage, tarp, local_c2st, predictive, width}}});
 }
 constexpr auto kCauses = causes();
 

@@ -292,8 +292,8 @@ Findings find_in_rates(const Target& target, const std::vector<RatePair>& pairs,
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     CheckedPair& pair = all[i];
     if (std::ranges::all_of(pair.fits, agrees)) continue;
-    const bool is_unit = pair.ratio && known_ratio(*pair.ratio, pair.position.unit) != nullptr;
-    pair.swap = words_of_swap(target, pairs[i], is_unit ? std::vector<Index>{} : free);
+    // A common ratio is a matter of units or of the clock.
+    pair.swap = words_of_swap(target, pairs[i], pair.ratio ? std::vector<Index>{} : free);
   }
   if (const std::optional<double> factor = factor_of_dt(all)) {
     return {warning(dt_problem(all, target.dt, *factor, time) + of_options)};

@@ -10,6 +10,7 @@
 #include "core/quantile.h"
 #include "core/stop_request.h"
 #include "inference/diagnostics/calibration.h"
+#include "inference/diagnostics/excess_width.h"
 #include "pipeline/artefacts/diagnosis_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
@@ -37,6 +38,14 @@ struct Calibration {
   inference::CalibrationRanks ranks;
 };
 
+// Predictions of posterior samples, as the inference would see them, those that succeeded.
+struct Predictions {
+  RowMatrix theta;      // (n, D)
+  RowMatrix summaries;  // (n, S)
+  RowMatrixF features;  // (n, F)
+  Index num_failed = 0;
+};
+
 // Inputs that the checks of one method and seed share.
 struct Case {
   const Plan& plan;
@@ -47,6 +56,7 @@ struct Case {
   std::unique_ptr<inference::Embedding> embedding = nullptr;
   VectorF x_o = {};
   Calibration calibration = {};  // where any check calibrates
+  Predictions predictions = {};  // where any check predicts
 
   const Node& last_posterior() const { return plan.input(node, "posterior"); }
   // Of round 1, which has learned from the whole prior.
@@ -135,13 +145,6 @@ inference::LocalC2st check_at_x_o(const Case& c) {
       c.stream("diagnose_local_c2st"));
 }
 
-// Predictions of posterior samples, as the inference would see them.
-struct Predictions {
-  RowMatrix summaries;  // (n, S)
-  RowMatrixF features;  // (n, F)
-  Index num_failed = 0;
-};
-
 sim::Trajectories simulate(const Case& c, const RowMatrix& theta) {
   constexpr Index block = 256;
   const auto simulator =
@@ -170,7 +173,7 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
                          c.stream("diagnose_predictive_noise"));
   }
   std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
-  Predictions result{{}, {theta.rows(), c.embedding->num_features()}, 0};
+  Predictions result{theta, {}, {theta.rows(), c.embedding->num_features()}, 0};
   Index next = 0;
   for (Index i = 0; i < rows.num_rows; ++i) {
     if (rows.status[static_cast<std::size_t>(i)] != sim::RolloutStatus::ok) continue;
@@ -188,20 +191,35 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
     const Vector summary = summarize(picked, selection);
     if (next == 0) result.summaries.resize(theta.rows(), summary.size());
     result.summaries.row(next) = summary.transpose();
+    result.theta.row(next) = theta.row(i);
     c.embedding->embed(picked, {result.features.row(next).data(),
                                 static_cast<std::size_t>(result.features.cols())});
     ++next;
   }
   result.num_failed = theta.rows() - next;
+  result.theta.conservativeResize(next, Eigen::NoChange);
   result.summaries.conservativeResize(next, Eigen::NoChange);
   result.features.conservativeResize(next, Eigen::NoChange);
   return result;
 }
 
+// Of posterior samples.
+Predictions predict(const Case& c) {
+  return predict(c, read_posterior(c.last_posterior())
+                        ->sample(c.config.num_samples, c.stream("diagnose_predictive")));
+}
+
+// Without anything random an observation leaves no width; empty also for too few predictions.
+std::optional<Vector> check_width(const Case& c) {
+  const auto& [theta, summaries, features, num_failed] = c.predictions;
+  if (theta.rows() < inference::kFewestForWidth) return std::nullopt;
+  const RowMatrixF twice = predict(c, theta.topRows(1).replicate(2, 1)).features;
+  if (twice.rows() < 2 || twice.row(0) == twice.row(1)) return std::nullopt;
+  return inference::excess_width(theta, features);
+}
+
 PredictiveResult check_predictions(const Case& c) {
-  const RowMatrix theta = read_posterior(c.last_posterior())
-                              ->sample(c.config.num_samples, c.stream("diagnose_predictive"));
-  const Predictions predictions = predict(c, theta);
+  const Predictions& predictions = c.predictions;
   const inference::SeriesSelection& selection = c.embedding->selection();
   PredictiveResult result;
   result.names = summary_names(selection, c.observation.target().state_channels);
@@ -251,6 +269,7 @@ constexpr CheckRun kCheckRuns[] = {
      }},
     {Check::local_c2st, [](const Case& c, Diagnosis& d) { d.local_c2st = check_at_x_o(c); }},
     {Check::predictive, [](const Case& c, Diagnosis& d) { d.predictive = check_predictions(c); }},
+    {Check::width, [](const Case& c, Diagnosis& d) { d.width = check_width(c); }},
     {Check::ood, [](const Case& c, Diagnosis& d) { d.ood = check_observation(c); }},
     {Check::failures,
      [](const Case& c, Diagnosis& d) {
@@ -302,6 +321,7 @@ void run<Stage::diagnose>(const Plan& plan, const Node& node, const std::vector<
     diagnosis.num_failed = c.calibration.num_failed;
     diagnosis.truth_log_prob = c.calibration.ranks.log_prob;
   }
+  if (c.config.has(Check::predictive) || c.config.has(Check::width)) c.predictions = predict(c);
   for (const auto& [check, run] : kCheckRuns) {
     if (c.config.has(check)) run(c, diagnosis);
   }

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 // Names that follow a seed, or an identity that they are another purpose of.
 std::set<std::string> stream_names() {
   const std::regex pattern(
-      R"re((?:\b(?:named|within|of_\w+|stream_of|stream|spread|coverage_of)\([^"();]*|[sS]eed\w*(?:\(\))?,\s*|\{0,\s*|Stream = )"(\w+)")re");
+      R"re((?:\b(?:named|within|of_\w+|stream_of|stream|spread|coverage_of)\([^"();=]*|[sS]eed(?!\w*_table)\w*(?:\(\))?,\s*|\{0,\s*|Stream = )"(\w+)")re");
   std::set<std::string> names;
   for (const char* folder : {"sim", "inference", "analysis", "pipeline"}) {
     for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {

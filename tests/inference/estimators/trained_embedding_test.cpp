@@ -81,8 +81,10 @@ TEST(TrainedEmbedding, IsWhatItsDefinitionSays) {
 
 TEST(TrainedEmbedding, BackwardPassEqualsCentralDifferences) {
   const TrainedEmbeddingConfig linear{5};
-  for (const auto& config : {TrainedEmbeddingConfig{5, kSeries}, {5, kSeries, true}, linear}) {
-    const Index inputs = kSeries.num_values();
+  const TrainedEmbeddingConfig items{5, {12, 3, 2}, true};
+  for (const auto& config :
+       {TrainedEmbeddingConfig{5, kSeries}, {5, kSeries, true}, items, linear}) {
+    const Index inputs = std::max<Index>(config.series.num_values(), 42);
     const Layers layers(config, inputs);
     const RowMatrix z = random_matrix(4, inputs, 1), d_context = random_matrix(4, 5, 2);
     TrainedEmbedding<double>::Scratch scratch;
@@ -112,6 +114,17 @@ TEST(TrainedEmbedding, OfAMeanOverRolloutsKnowsNoOrderOfThem) {
 TEST(TrainedEmbedding, OfShortSeriesIsLinear) {
   const Layers layers({5, {2, 7, 3}}, 42);
   EXPECT_EQ(layers.layout.layers().size(), 2u);
+}
+
+// The mean of items that are all seen by themselves: f(x_1, ..., x_n) = mean_i g(x_i).
+TEST(TrainedEmbedding, OfShortItemsIsTheMeanOfANonlinearLayer) {
+  const Layers set({5, {12, 3, 2}, true}, 72), item({5, {1, 3, 2}, true}, 6);
+  ASSERT_EQ(set.parameters.size(), item.parameters.size());
+  const RowMatrix z = random_matrix(1, 72, 1);
+  const RowMatrix items = Eigen::Map<const RowMatrix>(z.data(), 12, 6);
+  const RowMatrix of_each = item.context(items);
+  EXPECT_LT((set.context(z) - of_each.colwise().mean()).norm(), 1e-12);
+  EXPECT_GT((of_each.colwise().mean() - item.context(items.colwise().mean())).norm(), 1e-3);
 }
 
 TEST(TrainedEmbedding, RefusesSeriesOfAnotherSize) {
