@@ -1,6 +1,7 @@
 #include "inference/diagnostics/excess_width.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <vector>
@@ -12,6 +13,7 @@ namespace npdr::inference {
 namespace {
 
 constexpr Index kFolds = 5;
+constexpr double kDeviations = 3.0;  // of a share that are taken off it
 constexpr Index kComponents = 3;
 constexpr Index kMostFeatures = 2000;  // 100 MB of scores and squares, with 1000 draws
 
@@ -97,10 +99,59 @@ Vector left_by_regression(const RowMatrix& x, const Vector& y, Index fold) {
 }
 
 // R^2 of the best number of components.
-double explained(const RowMatrix& x, const Vector& y) {
+double explained_by_components(const RowMatrix& x, const Vector& y) {
   Vector left = Vector::Zero(kComponents);
   for (Index fold = 0; fold < kFolds; ++fold) left += left_by_regression(x, y, fold);
   return 1.0 - left.minCoeff() / y.squaredNorm();
+}
+
+// Sums over held-out rows of the products of two scores with y, of both, and of y with itself.
+using Products = Eigen::Array4d;
+
+double share_of(const Products& sums) {
+  return sums(2) > 0.0 ? sums(0) * sums(1) / (sums(2) * sums(3)) : 0.0;
+}
+
+// Rows are dealt out anew each time: to folds, and to halves of what a fold doesn't hold.
+Products products_of(const RowMatrix& x, const Vector& y, Index deal, Index fold) {
+  std::array<std::vector<Index>, 3> parts;  // two halves, the fold
+  for (Index i = 0; i < y.size(); ++i) {
+    const Index k = (i + deal * (i / (2 * kFolds))) % (2 * kFolds);
+    parts[static_cast<std::size_t>(k / 2 == fold ? 2 : k % 2)].push_back(i);
+  }
+  const auto centered = [](auto values) {
+    return (values.rowwise() - values.colwise().mean().eval()).eval();
+  };
+  const RowMatrix held_out = centered(x(parts[2], Eigen::all).eval());
+  const RowMatrix truth = centered(RowMatrix(y(parts[2])));
+  std::array<Vector, 2> scores;
+  for (std::size_t half = 0; half < 2; ++half) {
+    const RowMatrix output = centered(RowMatrix(y(parts[half])));
+    scores[half] = held_out * (x(parts[half], Eigen::all).transpose() * output).col(0);
+  }
+  return {scores[0].dot(truth.col(0)), scores[1].dot(truth.col(0)), scores[0].dot(scores[1]),
+          truth.squaredNorm()};
+}
+
+// R^2 of the first component, were its weights learned from any number of draws: those of halves
+// differ by errors of their own, which their scores' product doesn't know. Less three times its
+// standard error (jackknife over folds).
+double explained_by_halves(const RowMatrix& x, const Vector& y) {
+  constexpr Index deals = 4;
+  std::array<Products, kFolds> of_folds;
+  Products all = Products::Zero();
+  for (Index fold = 0; fold < kFolds; ++fold) {
+    Products& sums = of_folds[static_cast<std::size_t>(fold)] = Products::Zero();
+    for (Index deal = 0; deal < deals; ++deal) sums += products_of(x, y, deal, fold);
+    all += sums;
+  }
+  Vector without(kFolds);
+  for (Index fold = 0; fold < kFolds; ++fold) {
+    without(fold) = share_of(all - of_folds[static_cast<std::size_t>(fold)]);
+  }
+  const double variance = (without.array() - without.mean()).square().sum() *
+                          static_cast<double>(kFolds - 1) / static_cast<double>(kFolds);
+  return std::min(share_of(all), 1.0) - kDeviations * std::sqrt(variance);
 }
 
 }  // namespace
@@ -119,7 +170,9 @@ Vector excess_width(const RowMatrix& theta, const RowMatrixF& x) {
   for (Index d = 0; d < theta.cols(); ++d) {
     const Vector y = normal_scores(theta.col(d));
     if (y.isZero()) continue;
-    const double share = std::max(explained(scores, y), explained(squares, y));
+    const double share =
+        std::max({explained_by_components(scores, y), explained_by_components(squares, y),
+                  explained_by_halves(scores, y), explained_by_halves(squares, y)});
     width(d) = std::sqrt(std::max(share, 0.0) / std::max(1.0 - share, 1e-12));
   }
   return width;

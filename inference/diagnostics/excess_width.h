@@ -7,9 +7,13 @@
 /// that tells something leaves less to be told. A posterior r times as wide as it should be has
 ///   R^2 = r^2 / (1 + r^2),   r = sqrt(R^2 / (1 - R^2)).
 /// E(theta | x) is a partial least squares regression (Wold 1975; Helland 1988) on normal scores of
-/// the features or on these and their squares, with 1, 2 or 3 components, whichever explains most
-/// of a fifth of the draws that it hasn't learned from; of 2000 features at most, evenly spaced.
-/// What it can't tell makes r smaller.
+/// the features or on these and their squares; of 2000 features at most, evenly spaced. R^2 is the
+/// largest of
+/// - that of 1, 2 or 3 components in a fifth of the draws that they haven't learned from,
+/// - that of one component without the errors of its weights w, which many features have: with w_1
+///   and w_2 of halves of the draws, cov(w_1 x, theta) cov(w_2 x, theta) / (cov(w_1 x, w_2 x)
+///   Var(theta)) in others (Spearman 1904, correction for attenuation), less three standard errors.
+/// What the regression can't tell makes r smaller.
 #pragma once
 
 #include "core/types.h"

@@ -85,8 +85,9 @@ Findings find_in_dataset(const Plan& plan, const std::vector<std::string>& metho
 
 template <>
 Findings judge<Check::dataset>(const MethodResults& m) {
-  const bool is_wrong = std::ranges::count(m.data.dataset, Severity::wrong, &Finding::severity) > 0;
-  Findings found = is_wrong ? m.data.dataset : Findings{passes({})};
+  Findings found = m.data.dataset;
+  const bool is_wrong = std::ranges::count(found, Severity::wrong, &Finding::severity) > 0;
+  if (!is_wrong) found.push_back(passes({}));
   std::ranges::stable_sort(found, std::greater(), &Finding::severity);
   return found;
 }

@@ -232,16 +232,18 @@ void warn_of_failures(const Simulation& simulation) {
   const Plan& plan = simulation.plan;
   const Node& node = simulation.node;
   const h5::File file = open_artefact(node, kSimulationSchema);
+  const bool are_few = too_many_failed(plan, node, file).empty();
   // Where a simulator of ours fails, parameters are impossible indeed.
-  if (plan.study.source().is_built_in && too_many_failed(plan, node, file).empty()) return;
+  if (plan.study.source().is_built_in && are_few) return;
   const auto num_failed = file.attribute<Index>("num_failed");
   const std::string last = simulation.simulator->last_failure();
   if (num_failed > 0) {
     const std::string where = where_failures_lie(plan, node);
-    report_warning(node.label(),
-                   fmt::format("{} of {} rows failed ({}){}{}", num_failed, num_rows(plan, node),
-                               failures(file), where.empty() ? "" : "; " + where,
-                               last.empty() ? "" : "; the last: " + last));
+    Finding said = warning(fmt::format(
+        "{} of {} rows failed ({}){}{}", num_failed, num_rows(plan, node), failures(file),
+        where.empty() ? "" : "; " + where, last.empty() ? "" : "; the last: " + last));
+    if (are_few) said.severity = Severity::note;
+    report_findings(node.label(), {said});
   } else if (!last.empty()) {
     report_warning(
         node.label(),
