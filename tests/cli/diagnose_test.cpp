@@ -35,9 +35,8 @@ class Diagnose : public StudyRun {
 
 // 20 epochs end no training: with --strict the exit status says so.
 TEST_F(Diagnose, ARunEndsWithVerdictsAndWhatToDo) {
-  EXPECT_TRUE(
-      has(run_output_, {"\nNPE: ", " of 7 checks FAIL: ", "\nNRE: ", "\n  Don't trust its ",
-                        "\n    Raise training.max_epochs above 20\n"}));
+  EXPECT_TRUE(has(run_output_, {"\nNPE: ", " of 8 checks FAIL: ", "\nNRE: ", "\n  Don't trust its ",
+                                "\n    Raise training.max_epochs above 20\n"}));
   const Outcome again = npdr(0, {"run", "checked.toml"});
   EXPECT_EQ(again.out, run_output_);
   EXPECT_TRUE(has(again.err, "checked: nothing to do, all is up to date"));
@@ -51,7 +50,7 @@ TEST_F(Diagnose, SamplesOfWhatFailedCarryAWarning) {
     return npdr(0, joined({"sample", "checked.toml", "--method", "NPE", "-n", "2"}, words)).err;
   };
   const std::vector<std::string> expected = {
-      "warning: NPE: ", " of 7 checks FAIL: ", "runs/checked/report.html"};
+      "warning: NPE: ", " of 8 checks FAIL: ", "runs/checked/report.html"};
   EXPECT_TRUE(says(warning({}), expected));
   EXPECT_TRUE(says(warning({"--seeds", "1"}), expected));
   EXPECT_TRUE(says(warning({"--set", "evaluate.num_samples=31"}),

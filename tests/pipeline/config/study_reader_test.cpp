@@ -179,11 +179,11 @@ TEST(StudyReader, ATableOfChecksMeansAllOfThem) {
   const auto checks = [](const std::string& table, const std::vector<std::string>& overrides = {}) {
     return join(to_names(parse_study(kStudyText + table, "s.toml", overrides).diagnose.checks));
   };
-  EXPECT_EQ(std::ranges::count(checks("[diagnose]\n"), ','), 11);
+  EXPECT_EQ(std::ranges::count(checks("[diagnose]\n"), ','), 12);
   EXPECT_EQ(checks("[diagnose]\nchecks = ['sbc']\n"), "sbc");
   EXPECT_EQ(checks("[diagnose]\nchecks = []\n"), "");
   const std::string cheap =
-      "predictive, ood, failures, training, sampling, bounds, contraction, fit";
+      "predictive, width, ood, failures, training, sampling, bounds, contraction, fit";
   const std::string enough = "method.num_simulations=1200";
   EXPECT_EQ(checks("", {"target.held_out=1"}), cheap + ", held_out");
   EXPECT_EQ(checks("", {"method.num_simulations=1199"}), cheap);

@@ -179,10 +179,10 @@ TEST_F(NextSteps, SayWhatTheChecksFoundOfEachPosterior) {
   fail(kMethod);
   EXPECT_TRUE(
       has(next_steps(data_),
-          "npdr-maf/seed-1/round-1/infer.h5    # NPDR (MAF): 1 of 8 checks FAIL: Training\n"));
+          "npdr-maf/seed-1/round-1/infer.h5    # NPDR (MAF): 1 of 9 checks FAIL: Training\n"));
   EXPECT_TRUE(
       has(next_steps(data_),
-          "npdr-mog/seed-1/round-1/infer.h5    # NPDR (MoG): all 8 checks pass; not checked: "
+          "npdr-mog/seed-1/round-1/infer.h5    # NPDR (MoG): all 9 checks pass; not checked: "
           "Calibration\n"));
 }
 
