@@ -10,15 +10,15 @@
 namespace npdr::inference {
 namespace {
 
-struct Draws {
+struct WideDraws {
   RowMatrix theta;  // (n, 1)
   RowMatrixF x;     // (n, F)
 };
 
 // A posterior `times` as wide as it should be: theta ~ N(0, times^2 / F), F features theta + N(0,
 // 1).
-Draws gaussian(double times, Index n, Index num_features, std::uint64_t seed) {
-  Draws draws{RowMatrix(n, 1), RowMatrixF(n, num_features)};
+WideDraws wide_gaussian(double times, Index n, Index num_features, std::uint64_t seed) {
+  WideDraws draws{RowMatrix(n, 1), RowMatrixF(n, num_features)};
   for (Index i = 0; i < n; ++i) {
     Stream stream({seed, "draws", 0, static_cast<std::uint64_t>(i), 0});
     draws.theta(i, 0) = times / std::sqrt(static_cast<double>(num_features)) * stream.normal();
@@ -29,13 +29,13 @@ Draws gaussian(double times, Index n, Index num_features, std::uint64_t seed) {
   return draws;
 }
 
-double width_of(const Draws& draws) { return excess_width(draws.theta, draws.x)(0); }
+double excess_of(const WideDraws& draws) { return excess_width(draws.theta, draws.x)(0); }
 
 TEST(ExcessWidth, IsThatOfGaussiansOfAnyNumberOfFeatures) {
   for (const Index num_features : {1, 20, 400}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       for (const double times : {2.0, 3.0}) {
-        const double found = width_of(gaussian(times, 1000, num_features, seed));
+        const double found = excess_of(wide_gaussian(times, 1000, num_features, seed));
         EXPECT_GT(found, 0.8 * times) << num_features << " features, seed " << seed;
         EXPECT_LT(found, 1.3 * times) << num_features << " features, seed " << seed;
       }
@@ -47,36 +47,36 @@ TEST(ExcessWidth, IsThatOfGaussiansOfAnyNumberOfFeatures) {
 TEST(ExcessWidth, OfARightPosteriorIsOneAtMost) {
   for (const Index num_features : {1, 20, 400}) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-      EXPECT_LT(width_of(gaussian(1.0, 200, num_features, seed)), 1.6) << num_features;
+      EXPECT_LT(excess_of(wide_gaussian(1.0, 200, num_features, seed)), 1.6) << num_features;
     }
   }
 }
 
 TEST(ExcessWidth, IsFoundInSpreadsThatParametersGive) {
-  Draws draws = gaussian(1.0, 1000, 40, 1);
+  WideDraws draws = wide_gaussian(1.0, 1000, 40, 1);
   for (Index i = 0; i < draws.x.rows(); ++i) {
     Stream stream({2, "spreads", 0, static_cast<std::uint64_t>(i), 0});
     draws.theta(i, 0) = 3.0 / std::sqrt(80.0) * stream.normal();  // of log sigma
     const double sigma = std::exp(draws.theta(i, 0));
     for (float& value : draws.x.row(i)) value = static_cast<float>(sigma * stream.normal());
   }
-  EXPECT_GT(width_of(draws), 1.8);
+  EXPECT_GT(excess_of(draws), 1.8);
 }
 
 TEST(ExcessWidth, OfWhatFeaturesDontTellIsSmall) {
-  Draws draws = gaussian(1.0, 500, 5, 1);
+  WideDraws draws = wide_gaussian(1.0, 500, 5, 1);
   draws.x.setConstant(1.0f);
-  EXPECT_EQ(width_of(draws), 0.0);
-  draws.x = gaussian(1.0, 500, 5, 2).x;
-  EXPECT_LT(width_of(draws), 0.5);
+  EXPECT_EQ(excess_of(draws), 0.0);
+  draws.x = wide_gaussian(1.0, 500, 5, 2).x;
+  EXPECT_LT(excess_of(draws), 0.5);
   draws.theta.setConstant(0.3);
-  EXPECT_EQ(width_of(draws), 0.0) << "known";
+  EXPECT_EQ(excess_of(draws), 0.0) << "known";
 }
 
 TEST(ExcessWidth, OfCopiesOfAFeatureIsThatOfOne) {
-  Draws draws = gaussian(1.0, 1000, 1, 1);
+  WideDraws draws = wide_gaussian(1.0, 1000, 1, 1);
   draws.x = draws.x.replicate(1, 100).eval();
-  EXPECT_LT(width_of(draws), 1.2);
+  EXPECT_LT(excess_of(draws), 1.2);
 }
 
 TEST(ExcessWidth, RefusesWhatItCantJudge) {
