@@ -56,6 +56,7 @@ std::vector<bool> Table::best_of(const Row& row) const {
   std::vector<bool> best(row.cells.size(), false);
   if (!row.ideal || compared.size() < 2) return best;
   const std::vector<ShownNumber> numbers = compared_numbers(*this, row);
+  if (numbers.size() < 2) return best;
   const auto nearest = std::ranges::min_element(
       numbers, {}, [&](const ShownNumber& n) { return loss_of(n.value, *row.ideal, 0.0); });
   for (const ShownNumber& number : numbers) {

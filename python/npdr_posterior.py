@@ -13,7 +13,7 @@ from statistics import NormalDist
 import h5py
 import numpy as np
 
-SCHEMA = 23  # of posteriors
+SCHEMA = 24  # of posteriors
 normal_quantile = np.vectorize(NormalDist().inv_cdf, otypes=[float])
 normal_cdf = np.vectorize(lambda u: 0.5 * math.erfc(-u / math.sqrt(2)), otypes=[float])
 
@@ -97,7 +97,8 @@ class Network:
         e, layer = self.embedding, 0
         y = z.reshape(-1, e["num_steps"] or 1, e["num_channels"] or z.shape[1])  # (rollouts, steps, channels)
         while f"convolution_{(layer := layer + 1)}.weight" in self.w:
-            patches = np.lib.stride_tricks.sliding_window_view(y[:, (y.shape[1] - 8) % 4 :], 8, axis=1)[:, ::4]
+            kernel = min(8, y.shape[1])
+            patches = np.lib.stride_tricks.sliding_window_view(y[:, (y.shape[1] - kernel) % 4 :], kernel, axis=1)[:, ::4]
             y = np.maximum(0, self.dense(f"convolution_{layer}", patches.swapaxes(2, 3).reshape(*patches.shape[:2], -1)))
         y = y.reshape(len(z), -1, y.shape[1] * y.shape[2])
         return self.dense("linear", y.mean(1) if e["average_rollouts"] else y.reshape(len(z), -1))

@@ -1,5 +1,6 @@
 #include "inference/diagnostics/excess_width.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +16,8 @@ namespace {
 constexpr Index kFolds = 5;
 constexpr double kDeviations = 3.0;  // of a share that are taken off it
 constexpr Index kComponents = 3;
-constexpr Index kMostFeatures = 2000;  // 100 MB of scores and squares, with 1000 draws
+constexpr Index kMostFeatures = 2000;
+constexpr Index kMostDraws = 1000;  // 50 MB of scores and squares
 
 // Phi^-1 of ranks, with a mean of 0; 0 of a column that is the same in all rows. Equal values have
 // the mean of their scores.
@@ -37,11 +39,12 @@ Vector normal_scores(const Column& values) {
   return scores;
 }
 
-// Of features evenly spaced among those that there are.
+// Of features spread over those that there are, whatever their period.
 RowMatrix scores_of(const RowMatrixF& x) {
   RowMatrix scores(x.rows(), std::min(x.cols(), kMostFeatures));
+  const Index step = scores.cols() > 0 ? x.cols() / scores.cols() : 1;
   for (Index f = 0; f < scores.cols(); ++f) {
-    scores.col(f) = normal_scores(x.col(f * x.cols() / scores.cols()));
+    scores.col(f) = normal_scores(x.col(f * step + f % step));
   }
   return scores;
 }
@@ -66,92 +69,106 @@ std::vector<Index> rows_of_fold(Index n, Index fold, bool are_held_out) {
   return rows;
 }
 
-// What regressions with 1, 2, ... components leave of y in rows that they haven't learned from, a
-// sum of squares each, (kComponents).
-Vector left_by_regression(const RowMatrix& x, const Vector& y, Index fold) {
-  const std::vector<Index> learned = rows_of_fold(y.size(), fold, false);
-  const std::vector<Index> held_out = rows_of_fold(y.size(), fold, true);
-  RowMatrix inputs = x(learned, Eigen::all), others = x(held_out, Eigen::all);
-  Vector output = y(learned);
-  const Eigen::RowVectorXd center = inputs.colwise().mean();
-  const double mean = output.mean();
-  inputs.rowwise() -= center;
-  others.rowwise() -= center;
-  output.array() -= mean;
-  Vector error = y(held_out).array() - mean;
-  Vector left(kComponents);
+// Rows of a matrix, less their mean.
+RowMatrix centered(const RowMatrix& values, const std::vector<Index>& rows) {
+  const RowMatrix some = values(rows, Eigen::all);
+  return some.rowwise() - some.colwise().mean();
+}
+
+// What regressions with 1, 2, ... components leave of each column of y (n, D) in rows that they
+// haven't learned from, sums of squares (kComponents, D). Their scores span X w, X (X^T X) w, ...
+// of the weights w = X^T y (Helland 1988).
+RowMatrix left_by_regressions(const RowMatrix& x, const RowMatrix& y, Index fold) {
+  const std::vector<Index> learned = rows_of_fold(y.rows(), fold, false);
+  const std::vector<Index> held_out = rows_of_fold(y.rows(), fold, true);
+  const RowMatrix inputs = centered(x, learned), outputs = centered(y, learned);
+  const RowMatrix others =
+      x(held_out, Eigen::all).rowwise() - x(learned, Eigen::all).colwise().mean().eval();
+  const RowMatrix truths =
+      y(held_out, Eigen::all).rowwise() - y(learned, Eigen::all).colwise().mean().eval();
+  std::vector<RowMatrix> scores, of_others;  // (n, D) of each component
+  RowMatrix from = outputs;
   for (Index k = 0; k < kComponents; ++k) {
-    const Vector weights = (inputs.transpose() * output).stableNormalized();
-    const Vector score = inputs * weights;
-    const double size = score.squaredNorm();
-    if (size > 0.0) {
-      const Vector loading = inputs.transpose() * score / size;
-      const double slope = score.dot(output) / size;
-      const Vector of_others = others * weights;
-      inputs.noalias() -= score * loading.transpose();
-      others.noalias() -= of_others * loading.transpose();
-      output -= slope * score;
-      error -= slope * of_others;
+    RowMatrix weights = inputs.transpose() * from;
+    for (Index d = 0; d < weights.cols(); ++d) weights.col(d).stableNormalize();
+    scores.emplace_back(inputs * weights);
+    of_others.emplace_back(others * weights);
+    from = scores.back();
+  }
+  RowMatrix left(kComponents, y.cols());
+  for (Index d = 0; d < y.cols(); ++d) {
+    for (Index k = 1; k <= kComponents; ++k) {
+      RowMatrix of_learned(inputs.rows(), k), of_held_out(others.rows(), k);
+      for (Index j = 0; j < k; ++j) {
+        of_learned.col(j) = scores[static_cast<std::size_t>(j)].col(d);
+        of_held_out.col(j) = of_others[static_cast<std::size_t>(j)].col(d);
+      }
+      const Vector slopes = of_learned.completeOrthogonalDecomposition().solve(outputs.col(d));
+      left(k - 1, d) = (truths.col(d) - of_held_out * slopes).squaredNorm();
     }
-    left(k) = error.squaredNorm();
   }
   return left;
 }
 
-// R^2 of the best number of components.
-double explained_by_components(const RowMatrix& x, const Vector& y) {
-  Vector left = Vector::Zero(kComponents);
-  for (Index fold = 0; fold < kFolds; ++fold) left += left_by_regression(x, y, fold);
-  return 1.0 - left.minCoeff() / y.squaredNorm();
+// R^2 of the best number of components, (D).
+Vector explained_by_components(const RowMatrix& x, const RowMatrix& y) {
+  RowMatrix left = RowMatrix::Zero(kComponents, y.cols());
+  for (Index fold = 0; fold < kFolds; ++fold) left += left_by_regressions(x, y, fold);
+  return 1.0 - left.colwise().minCoeff().transpose().array() /
+                   y.colwise().squaredNorm().transpose().array();
 }
 
-// Sums over held-out rows of the products of two scores with y, of both, and of y with itself.
-using Products = Eigen::Array4d;
-
-double share_of(const Products& sums) {
-  return sums(2) > 0.0 ? sums(0) * sums(1) / (sums(2) * sums(3)) : 0.0;
-}
+// Sums over held-out rows of the products of two scores with y, of both, and of y with itself,
+// (4, D).
+using Products = Eigen::Array<double, 4, Eigen::Dynamic>;
 
 // Rows are dealt out anew each time: to folds, and to halves of what a fold doesn't hold.
-Products products_of(const RowMatrix& x, const Vector& y, Index deal, Index fold) {
+Products products_of(const RowMatrix& x, const RowMatrix& y, Index deal, Index fold) {
   std::array<std::vector<Index>, 3> parts;  // two halves, the fold
-  for (Index i = 0; i < y.size(); ++i) {
+  for (Index i = 0; i < y.rows(); ++i) {
     const Index k = (i + deal * (i / (2 * kFolds))) % (2 * kFolds);
     parts[static_cast<std::size_t>(k / 2 == fold ? 2 : k % 2)].push_back(i);
   }
-  const auto centered = [](auto values) {
-    return (values.rowwise() - values.colwise().mean().eval()).eval();
-  };
-  const RowMatrix held_out = centered(x(parts[2], Eigen::all).eval());
-  const RowMatrix truth = centered(RowMatrix(y(parts[2])));
-  std::array<Vector, 2> scores;
+  const RowMatrix held_out = centered(x, parts[2]), truths = centered(y, parts[2]);
+  std::array<RowMatrix, 2> scores;
   for (std::size_t half = 0; half < 2; ++half) {
-    const RowMatrix output = centered(RowMatrix(y(parts[half])));
-    scores[half] = held_out * (x(parts[half], Eigen::all).transpose() * output).col(0);
+    const RowMatrix inputs = x(parts[half], Eigen::all);
+    scores[half] = held_out * (inputs.transpose() * centered(y, parts[half])).eval();
   }
-  return {scores[0].dot(truth.col(0)), scores[1].dot(truth.col(0)), scores[0].dot(scores[1]),
-          truth.squaredNorm()};
+  Products products(4, y.cols());
+  products << scores[0].cwiseProduct(truths).colwise().sum().array(),
+      scores[1].cwiseProduct(truths).colwise().sum().array(),
+      scores[0].cwiseProduct(scores[1]).colwise().sum().array(),
+      truths.colwise().squaredNorm().array();
+  return products;
+}
+
+Vector share_of(const Products& sums) {
+  return (sums.row(2) > 0.0)
+      .select(sums.row(0) * sums.row(1) / (sums.row(2) * sums.row(3)), 0.0)
+      .transpose();
 }
 
 // R^2 of the first component, were its weights learned from any number of draws: those of halves
 // differ by errors of their own, which their scores' product doesn't know. Less three times its
-// standard error (jackknife over folds).
-double explained_by_halves(const RowMatrix& x, const Vector& y) {
+// standard error (jackknife over folds). (D)
+Vector explained_by_halves(const RowMatrix& x, const RowMatrix& y) {
   constexpr Index deals = 4;
   std::array<Products, kFolds> of_folds;
-  Products all = Products::Zero();
+  Products all = Products::Zero(4, y.cols());
   for (Index fold = 0; fold < kFolds; ++fold) {
-    Products& sums = of_folds[static_cast<std::size_t>(fold)] = Products::Zero();
+    Products& sums = of_folds[static_cast<std::size_t>(fold)] = Products::Zero(4, y.cols());
     for (Index deal = 0; deal < deals; ++deal) sums += products_of(x, y, deal, fold);
     all += sums;
   }
-  Vector without(kFolds);
+  RowMatrix without(kFolds, y.cols());
   for (Index fold = 0; fold < kFolds; ++fold) {
-    without(fold) = share_of(all - of_folds[static_cast<std::size_t>(fold)]);
+    without.row(fold) = share_of(all - of_folds[static_cast<std::size_t>(fold)]).transpose();
   }
-  const double variance = (without.array() - without.mean()).square().sum() *
-                          static_cast<double>(kFolds - 1) / static_cast<double>(kFolds);
-  return std::min(share_of(all), 1.0) - kDeviations * std::sqrt(variance);
+  const Vector variance =
+      (without.rowwise() - without.colwise().mean().eval()).colwise().squaredNorm().transpose() *
+      (static_cast<double>(kFolds - 1) / static_cast<double>(kFolds));
+  return share_of(all).cwiseMin(1.0) - kDeviations * variance.cwiseSqrt();
 }
 
 }  // namespace
@@ -165,15 +182,21 @@ Vector excess_width(const RowMatrix& theta, const RowMatrixF& x) {
     throw InputError("excess width: " + std::to_string(theta.rows()) + " draws, must be " +
                      std::to_string(kFewestForWidth) + " or more");
   }
-  const RowMatrix scores = scores_of(x), squares = with_squares(scores);
-  Vector width = Vector::Zero(theta.cols());
-  for (Index d = 0; d < theta.cols(); ++d) {
-    const Vector y = normal_scores(theta.col(d));
-    if (y.isZero()) continue;
-    const double share =
-        std::max({explained_by_components(scores, y), explained_by_components(squares, y),
-                  explained_by_halves(scores, y), explained_by_halves(squares, y)});
-    width(d) = std::sqrt(std::max(share, 0.0) / std::max(1.0 - share, 1e-12));
+  if (!theta.allFinite() || !x.allFinite()) {
+    throw InputError("excess width: parameters and simulations must be finite");
+  }
+  const Index n = std::min(theta.rows(), kMostDraws);
+  const RowMatrix scores = scores_of(x.topRows(n)), squares = with_squares(scores);
+  RowMatrix y(n, theta.cols());
+  for (Index d = 0; d < y.cols(); ++d) y.col(d) = normal_scores(theta.col(d).head(n));
+  const Vector share = explained_by_components(scores, y)
+                           .cwiseMax(explained_by_components(squares, y))
+                           .cwiseMax(explained_by_halves(scores, y))
+                           .cwiseMax(explained_by_halves(squares, y));
+  Vector width = Vector::Zero(y.cols());
+  for (Index d = 0; d < y.cols(); ++d) {
+    if (y.col(d).isZero()) continue;
+    width(d) = std::sqrt(std::max(share(d), 0.0) / std::max(1.0 - share(d), 1e-12));
   }
   return width;
 }

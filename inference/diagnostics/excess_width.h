@@ -7,7 +7,7 @@
 /// that tells something leaves less to be told. A posterior r times as wide as it should be has
 ///   R^2 = r^2 / (1 + r^2),   r = sqrt(R^2 / (1 - R^2)).
 /// E(theta | x) is a partial least squares regression (Wold 1975; Helland 1988) on normal scores of
-/// the features or on these and their squares; of 2000 features at most, evenly spaced. R^2 is the
+/// the features or on these and their squares; of 1000 draws and 2000 features at most. R^2 is the
 /// largest of
 /// - that of 1, 2 or 3 components in a fifth of the draws that they haven't learned from,
 /// - that of one component without the errors of its weights w, which many features have: with w_1
@@ -24,8 +24,8 @@ namespace npdr::inference {
 inline constexpr Index kFewestForWidth = 100;
 
 /// r of each parameter, (D); 0 of one that is the same in all rows. theta: (n, D), x: (n, F),
-/// finite, row i of one is that of the other. Throws ShapeError for other shapes, InputError for n
-/// < kFewestForWidth.
+/// row i of one is that of the other. Throws ShapeError for other shapes, InputError for fewer rows
+/// than kFewestForWidth, or what isn't finite.
 Vector excess_width(const RowMatrix& theta, const RowMatrixF& x);
 
 }  // namespace npdr::inference

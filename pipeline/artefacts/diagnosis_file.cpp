@@ -138,8 +138,10 @@ void describe(Layout f, Diagnosis& d) {
   if (auto group = f.group("local_c2st", d.local_c2st)) describe(*group, *d.local_c2st);
   if (auto group = f.group("predictive", d.predictive)) describe(*group, *d.predictive);
   if (auto group = f.group("width", d.width)) {
-    (*group)("excess", *d.width, {kParameter},
+    (*group)("excess", d.width->excess, {kParameter},
              "how many times as wide as one observation leaves it, at least");
+    group->attribute("is_random", d.width->is_random,
+                     "1: simulations of the same parameters differ; else 0");
   }
   if (auto group = f.group("ood", d.ood)) describe(*group, *d.ood, "p_value");
   if (auto group = f.group("failures", d.failures)) describe(*group, *d.failures);

@@ -39,6 +39,11 @@ struct PredictiveResult {
   inference::PredictiveCheck check;
 };
 
+struct WidthResult {
+  Vector excess;           ///< (D) inference::excess_width(); 0 where nothing is random
+  bool is_random = false;  ///< whether simulations of the same parameters differ
+};
+
 /// The simulations of one round; the p-value is of all rounds.
 struct FailureResult {
   Index round = 0;
@@ -58,7 +63,7 @@ struct Diagnosis {
   std::optional<CoverageResult> tarp;
   std::optional<inference::LocalC2st> local_c2st;
   std::optional<PredictiveResult> predictive;
-  std::optional<Vector> width;  ///< (D) inference::excess_width()
+  std::optional<WidthResult> width;
   std::optional<inference::OutOfDistribution> ood;
   std::optional<FailureResult> failures;
   std::optional<inference::TrainingCheck> training;

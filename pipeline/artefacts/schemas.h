@@ -53,7 +53,7 @@ inline const Artefact<struct Proposal> kProposalSchema{{"proposal", 2, "propose"
 /// Shards lie in a folder with the key of their simulation: raise both versions together.
 inline const Schema kSimulationShardSchema{"simulation_shard", 2, "simulate"};
 inline const Schema kSimulationSchema{"simulation", 2, "simulate"};
-inline const Schema kPosteriorSchema{"posterior", 23, "infer"};
+inline const Schema kPosteriorSchema{"posterior", 24, "infer"};
 inline const Artefact<struct TrainingCheckpoint> kCheckpointSchema{
     {"training_checkpoint", 4, "infer"}};
 inline const Artefact<struct RefinementCheckpoint> kRefinementCheckpointSchema{

@@ -1,6 +1,7 @@
 #include "pipeline/config/study_check.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <functional>
@@ -67,8 +68,9 @@ class RolloutChecker : Checker {
                                                               : std::ssize(embedding.channels));
     const std::uint64_t product = std::accumulate(embedding.shape.begin(), embedding.shape.end(),
                                                   std::uint64_t{1}, std::multiplies());
-    require(path, product, product == num_features,
-            fmt::format("a product of {}, the number of features", num_features));
+    if (product == num_features) return;
+    reading_.reject(path, fmt::format("[{}]", fmt::join(embedding.shape, ", ")),
+                    fmt::format("of a product of {}, the number of features", num_features));
   }
 
   // False when it is more, or was wrong already.

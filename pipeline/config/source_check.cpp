@@ -200,7 +200,8 @@ class SourceChecker : Checker {
     const auto& [kind, shape] = std::tie(method.embedding.kind, method.embedding.shape);
     if (shape.empty()) must_be_left_out({path + ".embedding.features"}, no_rollouts());
     require(path + ".embedding.kind", kind, kind == (shape.empty() ? identity : convolution),
-            "'identity', or 'convolution' with embedding.shape: " + no_rollouts());
+            shape.empty() ? "'identity', or 'convolution' with embedding.shape: " + no_rollouts()
+                          : "'convolution', as embedding.shape is given");
     const Index rounds = method.algorithm.num_rounds;
     require(path + ".num_rounds", rounds, source_.simulates || rounds == 1,
             "1 with a dataset: nothing simulates what later rounds propose");

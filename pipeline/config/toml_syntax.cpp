@@ -70,6 +70,9 @@ struct BareText {
 // The value that an error is in, or right behind it, where that is a text without quotes.
 std::optional<BareText> find_bare_text(const std::string& line, std::size_t error) {
   const std::size_t mark = line.substr(0, error).find_last_of("=,[{");
+  const std::string before = line.substr(0, std::min(mark, error));
+  const bool is_quoted = std::ranges::count(before, '"') % 2 + std::ranges::count(before, '\'') % 2;
+  if (is_quoted) return std::nullopt;                                 // a quote is missing
   const std::size_t begin = line.find_first_not_of(" \t", mark + 1);  // npos + 1 is 0
   if (begin == std::string::npos) return std::nullopt;
   const std::size_t end = std::min(line.find_first_of(",]}#", begin), line.size());

@@ -94,9 +94,10 @@ Findings judge<Check::bounds>(const MethodResults& m) {
     }
   }
   if (!faults.empty()) {
-    return {fails({.what = "samples gather at an end of the prior, " + listed(faults),
-                   .evidence = share_at_end(share) + seeds_text(std::ssize(failed), m.runs.size()),
-                   .advice = leaks ? "Set combined_loss = true" : "Widen the prior there"})};
+    return {fails(
+        {.what = "samples gather at an end of the prior, " + listed(faults),
+         .evidence = share_at_end(share) + seeds_text(std::ssize(failed), m.runs.size()),
+         .advice = leaks ? "Set combined_loss = true in [[method]]" : "Widen the prior there"})};
   }
   if (physical.empty()) return {passes({})};
   return {

@@ -110,11 +110,12 @@ Findings find_empty_region(const MethodResults& m) {
   const double largest_share = std::min(0.05, std::exp2(-static_cast<double>(prior.dimension())));
   if (share > largest_share || expected > most_simulations) return {};
   return {passes({.id = "region",
-                  .what = "too few simulations lie near the posterior",
+                  .what = "error bars may be too wide, as few simulations lie near the posterior",
                   .evidence = fmt::format("about {:.0f} of {} simulations (good: {:.0f} or more)",
                                           expected, algorithm.num_simulations, most_simulations),
-                  .advice = fmt::format("Set num_rounds = {} and num_simulations = {}", rounds,
-                                        (algorithm.num_simulations + rounds - 1) / rounds)})};
+                  .advice = fmt::format(
+                      "Set num_rounds = {} and num_simulations = {} (of each round) in [[method]]",
+                      rounds, (algorithm.num_simulations + rounds - 1) / rounds)})};
 }
 
 double difference_of(double a, double b, double period) {
@@ -180,9 +181,10 @@ Findings find_contradicting_seeds(const MethodResults& m) {
   }
   if (parameters.empty()) return {};
   return {passes({.id = "seeds",
-                  .what = fmt::format("seeds contradict each other about {}", listed(parameters)),
-                  .evidence = "means scatter by " + distance_text(largest, most),
-                  .advice = "Use the samples of all seeds together"})};
+                  .what = fmt::format("seeds disagree about {}, each as sure as if it were right",
+                                      listed(parameters)),
+                  .evidence = "their means differ by " + distance_text(largest, most),
+                  .advice = "Draw from all seeds together, as npdr sample does"})};
 }
 
 // Which other methods of the study are far from this one, each with the parameter about which it is
@@ -246,10 +248,11 @@ Findings judge<Check::contraction>(const MethodResults& m) {
       unchanged.push_back(m.data.marginal(d).name);
     }
   }
-  const std::string evidence = fmt::format("up to {:.3g} (of the prior: 0, at most 1)", largest);
+  const std::string evidence =
+      fmt::format("up to {:.3g} (0: as wide as the prior, 1: known exactly)", largest);
   if (unchanged.size() == m.inferred().size()) {
     return {fails({.id = "prior",
-                   .what = "the posterior is the prior, so that nothing was learned",
+                   .what = "nothing was learned: the posterior is the prior",
                    .evidence = evidence,
                    .advice = !m.study.source().simulates
                                  ? "Check that rows of theta and x belong together"
@@ -258,11 +261,12 @@ Findings judge<Check::contraction>(const MethodResults& m) {
   }
   Findings found = {passes({.evidence = evidence})};
   if (!unchanged.empty()) {
-    found.push_back(passes(
-        {.id = "flat",
-         .what = fmt::format("the observation says little of {}", listed(unchanged)),
-         .evidence = fmt::format("contraction below {:.2g} (of the prior: 0)", kLeastContraction),
-         .advice = advice_to_observe(m, unchanged)}));
+    found.push_back(
+        passes({.id = "flat",
+                .what = fmt::format("the observation says little of {}", listed(unchanged)),
+                .evidence = fmt::format("contraction below {:.2g} (0: as wide as the prior)",
+                                        kLeastContraction),
+                .advice = advice_to_observe(m, unchanged)}));
   }
   append(found, find_ridge(m));
   append(found, find_empty_region(m));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "inference/diagnostics/excess_width.h"
 #include "inference/diagnostics/tail_probability.h"
 #include "pipeline/features/failures.h"
 #include "pipeline/findings/probe.h"
@@ -12,7 +13,7 @@
 namespace npdr::pipeline {
 namespace {
 
-constexpr const char* kCalibrationAdvice = "Train with more simulations (num_simulations)";
+constexpr const char* kCalibrationAdvice = "Raise num_simulations in [[method]]";
 
 // The area's standard error is 0.32 / sqrt(n); nearer to 0 it says nothing of the width.
 template <std::optional<CoverageResult> Diagnosis::*member>
@@ -39,7 +40,7 @@ Finding too_few_ranks(const Diagnosis& found, double level) {
           .evidence = fmt::format("only probabilities that are wrong by {:.2f} are noticed "
                                   "(enough: {:.2f})",
                                   smallest, largest_fault),
-          .advice = "Raise diagnose.num_simulations"};
+          .advice = "Raise num_simulations in [diagnose]"};
 }
 
 Finding words_of_ranks(const Study& /*study*/, const Diagnosis& /*found*/, std::uint64_t seed) {
@@ -63,7 +64,9 @@ Finding words_of(const inference::TrainingCheck& check, const inference::Trainin
   // More epochs don't mend what falls no more.
   if (check.is_converged || (ended && check.is_far_from_training() && check.recent_fall <= 0.0)) {
     return {.id = "gap",
-            .what = fmt::format("the network knows its simulations by heart (seed {})", seed),
+            .what = fmt::format("the network knows its simulations by heart, which is overfitting "
+                                "(seed {})",
+                                seed),
             .evidence = fmt::format("validation loss {:.2g} nats above that of training (fine up "
                                     "to {:.2g})",
                                     check.generalization_gap, inference::kFarGap),
@@ -72,18 +75,19 @@ Finding words_of(const inference::TrainingCheck& check, const inference::Trainin
   if (ended) {
     return {
         .id = "unfinished",
-        .what = fmt::format("training was stopped while the network still learned (seed {})", seed),
-        .evidence = fmt::format("the loss fell by {:.2g} nats in the last tenth of {} epochs "
-                                "(finished: 0)",
-                                check.recent_fall, config.max_epochs),
-        .advice = fmt::format("Raise training.max_epochs above {}", config.max_epochs)};
+        .what =
+            fmt::format("training reached its limit of epochs before it converged (seed {})", seed),
+        .evidence = fmt::format("{} epochs (fine: fewer), the loss still fell by {:.2g} nats in "
+                                "the last tenth",
+                                config.max_epochs, check.recent_fall),
+        .advice = fmt::format("Set max_epochs = {} in [method.training]", 2 * config.max_epochs)};
   }
   return {.id = "unfinished",
           .what = fmt::format("the network's weights jump about (seed {})", seed),
           .evidence = fmt::format("losses of validation and training {:.2g} nats apart (fine up to "
                                   "{:.2g})",
                                   check.generalization_gap, inference::kFarGap),
-          .advice = "Lower training.learning_rate"};
+          .advice = "Lower learning_rate in [method.training]"};
 }
 
 Finding words_of_prediction(const Study& study, const Diagnosis& found, std::uint64_t seed) {
@@ -97,9 +101,10 @@ Finding words_of_prediction(const Study& study, const Diagnosis& found, std::uin
   }
   Index worst = 0;
   predictive.check.summary_p_value.minCoeff(&worst);
-  return {.what = fmt::format("samples predict another {} than was observed (seed {})",
+  return {.what = fmt::format("simulations of the samples are unlike the observation, most in {} "
+                              "(seed {})",
                               predictive.names[static_cast<std::size_t>(worst)], seed),
-          .evidence = fmt::format("median {:.3g} (observed {:.3g})", predictive.median(worst),
+          .evidence = fmt::format("{:.3g} on average (observed {:.3g})", predictive.median(worst),
                                   predictive.observed(worst)),
           .advice = advice_on_noise(study, advice_on_model(study))};
 }
@@ -116,7 +121,7 @@ Finding too_few_predictions(const Diagnosis& found, double level) {
           .evidence = fmt::format("{} of {} samples failed in the simulator", predictive.num_failed,
                                   found.num_samples),
           .advice = most_failed ? "Read why samples fail in the log of stage diagnose"
-                                : "Raise diagnose.num_samples"};
+                                : "Raise num_samples in [diagnose]"};
 }
 
 // How far an observation is from simulations, by the distance that is farthest from the usual one.
@@ -126,6 +131,9 @@ std::string words_of_distances(const inference::OutOfDistribution& ood) {
   for (const auto& distance : {ood.mahalanobis, ood.residual, ood.nearest}) {
     const double times = distance.observed / distance.median;
     if (std::isfinite(times)) largest = std::max(largest, times);
+    if (distance.median == 0.0 && distance.observed > 0.0) {
+      return "simulations are all alike there, and it is not";
+    }
   }
   return fmt::format("{:.3g} times as far as simulations are (usual: 1)", largest);
 }
@@ -145,7 +153,7 @@ Finding too_few_simulations(const Diagnosis& found, double level) {
   if (found.ood && inference::can_be_outside(count, level)) return {};
   return {.what = "there are too few simulations to compare with the observation",
           .evidence = found.ood ? fmt::format("{} simulations", count) : "",
-          .advice = "Raise method.num_simulations"};
+          .advice = "Raise num_simulations in [[method]]"};
 }
 
 Finding words_of_failures(const Study& /*study*/, const Diagnosis& found, std::uint64_t seed) {
@@ -223,15 +231,22 @@ Findings judge<Check::width>(const MethodResults& m) {
   double largest = -1.0;
   std::string parameter;
   for (const auto* run : m.diagnoses) {
-    if (!run->result.width) continue;
+    const auto& width = run->result.width;
+    if (!width) {
+      return {
+          cannot_tell({.what = "too few predictions succeeded to judge error bars by",
+                       .evidence = fmt::format("{} samples (enough: {} that succeed)",
+                                               run->result.num_samples, inference::kFewestForWidth),
+                       .advice = "Raise num_samples in [diagnose]"})};
+    }
+    if (!width->is_random) return {passes({.evidence = "nothing is random, so no width is right"})};
     Index d = 0;
-    const double found = run->result.width->maxCoeff(&d);
+    const double found = width->excess.maxCoeff(&d);
     failed += found > limit ? 1 : 0;
     if (found <= largest) continue;
     largest = found;
     parameter = m.study.prior[static_cast<std::size_t>(d)].name;
   }
-  if (largest < 0.0) return {passes({.evidence = "nothing random to compare with"})};
   const std::string size = fmt::format(
       "{} times the width that one observation leaves (fine up to "
       "{})",
@@ -242,8 +257,7 @@ Findings judge<Check::width>(const MethodResults& m) {
                   .advice = advice_to_learn(m)};
   // Of motion the study itself can have what is narrower.
   if (!m.study.source().gives_motion || m.is(inference::Algorithm::refine)) return {fails(said)};
-  said.advice = fmt::format("Add a method with algorithm = \"refine\" and refine.start = \"{}\"",
-                            m.method.name);
+  said.advice = advice_to_refine(m);
   return {passes(said)};
 }
 

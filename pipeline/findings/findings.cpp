@@ -70,7 +70,7 @@ Finding why_not_held_out(const MethodResults& m) {
       m.study.target.held_out > 0 || m.study.evaluate.leave_out > 0 || m.method.num_rollouts > 0;
   if (!m.study.target.recording || any_left_out || m.data.target.num_rollouts() < 2) return {};
   return {.what = "nothing shows whether predictions of other rollouts are right",
-          .advice = "Set evaluate.leave_out = 2"};
+          .advice = "Set leave_out = 2 in [evaluate]"};
 }
 
 // The same of the noise of recorded first states, in which simulations begin; none where each
@@ -86,7 +86,7 @@ Finding why_not_first_states(const MethodResults& m) {
     return {};
   }
   return {.what = "simulations begin in noisy recorded states as if these were exact",
-          .advice = "Compare with a refinement that has refine.infer_first_states = true"};
+          .advice = "Compare with a refinement that has infer_first_states = true"};
 }
 
 // The same of calibration, which costs more than some studies spend on inference; none of methods
@@ -107,9 +107,9 @@ Finding why_not_calibrated(const MethodResults& m) {
   const bool could_be = traits_of(Check::coverage).why_unchecked(study, m.method).empty();
   if (!could_be || m.checks.calibrates()) return {};
   return {.what = "nothing shows whether the error bars are right over the prior",
-          .evidence =
-              fmt::format("{} more simulations of each seed would", study.diagnose.num_simulations),
-          .advice = "Add a table [diagnose] to the study"};
+          .evidence = fmt::format("{} more simulations of each seed would show it",
+                                  study.diagnose.num_simulations),
+          .advice = "Add an empty table [diagnose] to the study"};
 }
 
 // What no check looked at, of a method that passes all, and why.

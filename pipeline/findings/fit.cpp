@@ -25,7 +25,8 @@ struct Yardstick {
   double unit = 0.0;
   std::string words = {};
 
-  /// "RMSE 30 times the smallest (fine up to 3)", "RMSE 20 % of the prior's (fine up to 10)"
+  /// "RMSE 30 times that of the best parameters (fine up to 3)", "RMSE 20 % of the prior's (fine up
+  /// to 10)"
   std::string text_of(double rmse) const {
     return fmt::format("RMSE {} {} (fine up to {})", short_number(rmse / unit), words,
                        short_number(limit / unit));
@@ -51,7 +52,7 @@ std::optional<Yardstick> yardstick(const ReportData& data) {
     const double reached = point.metrics.at(rmse);
     if (3.0 * reached > found.limit) {
       found = {3.0 * reached, reached,
-               point.name == "truth" ? "times the truth's" : "times the smallest"};
+               point.name == "truth" ? "times the truth's" : "times that of the best parameters"};
     }
   }
   const double noise = std::min(known_noise(data), kFarFloor);
@@ -94,13 +95,14 @@ Findings overstated_noise(const ReportData& data, double of_floor) {
       of_floor == 0.0 || noise < far_more * of_floor) {
     return {};
   }
-  return {passes(
-      {.id = "noise",
-       .what = "observation_noise is larger than the noise of the recording",
-       .evidence = fmt::format("{:.0f} times what the best parameters leave (fine below "
-                               "{:.0f})",
-                               noise / of_floor, far_more),
-       .advice = fmt::format("Divide observation_noise by up to {:.0f}", noise / of_floor)})};
+  return {
+      passes({.id = "noise",
+              .what = "observation_noise is larger than the noise of the recording",
+              .evidence = fmt::format("{:.0f} times what the best parameters leave (fine below "
+                                      "{:.0f})",
+                                      noise / of_floor, far_more),
+              .advice = fmt::format("Divide scale or std in [observation_noise] by up to {:.0f}",
+                                    noise / of_floor)})};
 }
 
 // Networks leave what more simulations near the recording would find.
@@ -115,9 +117,7 @@ Findings room_to_learn(const MethodResults& m, double rmse, double of_floor) {
                   .evidence = fmt::format("RMSE {:.2g} times that of the best parameters (good "
                                           "below {:.0f})",
                                           rmse / of_floor, more),
-                  .advice = fmt::format("Add a method with algorithm = \"refine\" and "
-                                        "refine.start = \"{}\"",
-                                        m.method.name)})};
+                  .advice = advice_to_refine(m)})};
 }
 
 // Of the seed that is worst.
@@ -169,19 +169,19 @@ Findings judge<Check::fit>(const MethodResults& m) {
   const std::string advice = advice_on_noise(m.study, advice_to_learn(m));
   if (worst.failed > 0) {
     return {fails({.id = "far",
-                   .what = "the samples are far from parameters that explain the observation",
+                   .what = "simulations of the samples miss the observation",
                    .evidence = size + seeds_text(worst.failed, m.runs.size()),
                    .advice = advice})};
   }
   if (worst.astray > 0) {
-    return {
-        fails({.id = "strays",
-               .what = "some samples belong to a mode that is not there",
-               .evidence = fmt::format("{:.0f} % of them are worse than half of the prior (fine "
-                                       "up to {:.0f} %){}",
-                                       100.0 * worst.strays, 100.0 * kMostStrays,
-                                       seeds_text(worst.astray, m.runs.size())),
-               .advice = advice})};
+    return {fails(
+        {.id = "strays",
+         .what = "some samples are far off, in a mode that is not there",
+         .evidence = fmt::format(
+             "{:.0f} % of them fit worse than a typical draw of the prior (fine "
+             "up to {:.0f} %){}",
+             100.0 * worst.strays, 100.0 * kMostStrays, seeds_text(worst.astray, m.runs.size())),
+         .advice = advice})};
   }
   Findings found = {passes({.evidence = size})};
   append(found, overstated_noise(m.data, of_floor));

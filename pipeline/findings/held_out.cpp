@@ -15,10 +15,11 @@ std::string advice_to_widen(const MethodResults& m) {
   const bool is_refined = m.is(inference::Algorithm::refine);
   if (m.method.refine.sampling.cross_validate) return advice_on_model(m.study);
   if (m.study.target.num_rollouts > 1) {
-    return is_refined ? "Set refine.cross_validate = true"
-                      : "Add a refinement with refine.cross_validate = true";
+    return is_refined
+               ? "Set cross_validate = true in [method.refine]"
+               : "Add a [[method]] with algorithm = \"refine\" and refine.cross_validate = true";
   }
-  return is_refined ? "Lower refine.likelihood_power" : advice_on_model(m.study);
+  return is_refined ? "Lower likelihood_power in [method.refine]" : advice_on_model(m.study);
 }
 
 // Of the posterior's CRPS to that without inference: where the motion tells little, either may be
@@ -95,18 +96,18 @@ Findings judge<Check::held_out>(const MethodResults& m) {
                                         100.0 * least, 100.0 * kJudgedBand);
   const std::size_t all = m.runs.size();
   if (narrow > 0 && !m.method.refine.infer_first_states) {
-    return {fails({.id = "narrow",
-                   .what = "predictions of rollouts that inference has not seen are too sure",
-                   .evidence = bands + seeds_text(narrow, all),
-                   .advice = advice_to_widen(m)})};
+    return {fails(
+        {.id = "narrow",
+         .what = "error bars of predictions are too small, by held-out rollouts",
+         .evidence = bands + " (no prediction of a sample has so few)" + seeds_text(narrow, all),
+         .advice = advice_to_widen(m)})};
   }
   if (worse > 0) {
-    return {fails(
-        {.id = "worse",
-         .what = fmt::format("{} would predict rollouts that inference has not seen better", whose),
-         .evidence = fmt::format("CRPS {:.2g} (fine below {:.2g}){}", worst,
-                                 kFarWorse * of_uninformed, seeds_text(worse, all)),
-         .advice = advice_on_model(m.study)})};
+    return {fails({.id = "worse",
+                   .what = fmt::format("held-out rollouts are predicted worse than by {}", whose),
+                   .evidence = fmt::format("error (CRPS) {:.2g} (fine below {:.2g}){}", worst,
+                                           kFarWorse * of_uninformed, seeds_text(worse, all)),
+                   .advice = advice_on_model(m.study)})};
   }
   if (narrow > 0) {
     return {cannot_tell({.what = "predictions begin in noisy recorded states, which may move all "
@@ -118,7 +119,7 @@ Findings judge<Check::held_out>(const MethodResults& m) {
     return {cannot_tell({.what = "few recorded states lie in the predicted bands, as may happen to "
                                  "a right posterior",
                          .evidence = bands,
-                         .advice = "Hold out more rollouts (target.held_out)"})};
+                         .advice = "Raise held_out in [target]"})};
   }
   return {passes({.evidence = bands})};
 }

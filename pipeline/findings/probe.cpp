@@ -86,7 +86,8 @@ Finding too_few_samples(Index count) {
   return cannot_tell(
       {.what = fmt::format("{} samples are too few to judge", count),
        .evidence = fmt::format("{} of {} samples needed", count, inference::kFewestForBounds),
-       .advice = fmt::format("Raise evaluate.num_samples to {}", inference::kFewestForBounds)});
+       .advice =
+           fmt::format("Raise num_samples to {} in [evaluate]", inference::kFewestForBounds)});
 }
 
 Finding judge_p_value(const MethodResults& m, const PValueProbe& probe) {
@@ -120,8 +121,22 @@ std::string advice_to_learn(const MethodResults& m) {
   using enum inference::EmbeddingKind;
   const inference::EmbeddingKind kind = m.method.embedding.kind;
   const bool sees_all = m.method.embedding.trains_layers() || kind == all_steps || kind == identity;
-  return sees_all ? "Train with more simulations (num_simulations)"
-                  : "Set embedding.principal_components in place of embedding.kind";
+  return sees_all ? "Raise num_simulations in [[method]]"
+                  : "Set principal_components = 20 in place of kind in [method.embedding]";
+}
+
+std::string advice_to_refine(const MethodResults& m) {
+  const auto refines = [&](const MethodConfig& other) {
+    return other.algorithm.kind == inference::Algorithm::refine &&
+           other.refine.start == m.method.name;
+  };
+  const auto found = std::ranges::find_if(m.study.methods, refines);
+  if (found != m.study.methods.end()) {
+    return fmt::format("Use {}, which refines {}", found->name, m.method.name);
+  }
+  if (m.has_outer_loop()) return advice_to_learn(m);
+  return fmt::format("Add a [[method]] with algorithm = \"refine\" and refine.start = \"{}\"",
+                     m.method.name);
 }
 
 std::string advice_on_model(const Study& study) {
@@ -133,7 +148,7 @@ std::string advice_on_model(const Study& study) {
 std::string advice_on_noise(const Study& study, std::string otherwise) {
   const bool is_unstated = study.target.recording && study.observation_noise.is_silent() &&
                            !study.places.has("observation_noise.scale");
-  return is_unstated ? "State the noise of the sensors in observation_noise.scale"
+  return is_unstated ? "State the noise of the sensors by scale in [observation_noise]"
                      : std::move(otherwise);
 }
 

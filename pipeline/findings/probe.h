@@ -80,6 +80,8 @@ Finding judge_p_value(const MethodResults& m, const PValueProbe& probe);
 
 /// One thing that would let a method learn more of its observation.
 std::string advice_to_learn(const MethodResults& m);
+/// The same of a refinement of it: one that the study has, or that it may have.
+std::string advice_to_refine(const MethodResults& m);
 /// One thing to do about a simulator that is probably wrong.
 std::string advice_on_model(const Study& study);
 /// The same of an observation that is far from what is simulated: the noise of its sensors, where

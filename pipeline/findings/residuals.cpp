@@ -41,11 +41,12 @@ Finding words_of_residuals(const MethodResults& m, const EvaluatedRun& run) {
     fault = fmt::format("are {:.3g} times the stated noise", std::sqrt(found.size(c)));
   }
   if (lasts && m.study.source().gives_motion && !noise.is_correlated()) {
-    advice = "Set observation_noise.correlation_prior, which allows errors that last";
+    advice = "Set correlation_prior = [0.5, 1.5] in [observation_noise], for errors that last";
   } else if (!lasts && !noise.scale_prior) {
-    advice = "Set observation_noise.scale_prior, which infers how large the noise is";
+    advice =
+        "Set scale_prior = [0.2, 1.0] in [observation_noise], which infers how large the noise is";
   } else if (m.data.target.num_rollouts() > 1 && !m.method.refine.sampling.cross_validate) {
-    advice = "Set refine.cross_validate = true";
+    advice = "Set cross_validate = true in [method.refine]";
   }
   return {
       .what = fmt::format("errors of the best parameters in channel '{}' {}",
@@ -68,8 +69,9 @@ Findings judge<Check::residuals>(const MethodResults& m) {
   const Index failed = std::ranges::count_if(m.runs, is_excessive);
   Finding said;
   if (failed > 0 || !is_by_chance(worst)) said = words_of_residuals(m, worst);
-  said.evidence = fmt::format("variance {:.2g} times the noise's (fine up to {:.2g})",
-                              excess_of(worst), kMostExcess);
+  said.evidence =
+      fmt::format("variances of parameters are {:.2g} times too small (fine up to {:.2g})",
+                  excess_of(worst), kMostExcess);
   if (failed > 0) said.evidence += seeds_text(failed, m.runs.size());
   return {failed > 0 ? fails(said) : passes(said)};
 }

@@ -25,7 +25,7 @@ Findings judge_weights(const MethodResults& m) {
   return {fails({.id = "weights",
                  .what = "the samples repeat too few different draws",
                  .evidence = size + seeds_text(failed, m.runs.size()),
-                 .advice = "Raise sampler.num_candidates"})};
+                 .advice = "Raise num_candidates in [method.sampler]"})};
 }
 
 // Whether another seed has found what this one's draws have missed.
@@ -35,18 +35,25 @@ bool misses_a_mode(const MethodResults& m, const EvaluatedRun& run) {
   });
 }
 
+// By how much the log evidence of a run is below the largest of the seeds'.
+double evidence_behind(const MethodResults& m, const EvaluatedRun& run) {
+  const Vector all = each(
+      m.runs, [](const EvaluatedRun* other) { return other->notes.certificate->log_evidence; });
+  return all.maxCoeff() - run.notes.certificate->log_evidence;
+}
+
 // Where all certificates hold. `power`: the smallest.
 Findings remarks_on_power(const MethodResults& m, double power) {
   constexpr double small = 0.05;
-  const std::string evidence = fmt::format("power {:.2g} (all of the recording: 1)", power);
+  const std::string evidence = fmt::format("power {:.2g} (1: the recording counts whole)", power);
   const bool is_search_cut = std::ranges::any_of(m.runs, [&](const EvaluatedRun* run) {
     return run->notes.powers.ends_at_least(m.method.refine.sampling.likelihood_power);
   });
   if (is_search_cut) {
     return {passes({.id = "power",
-                    .what = "a larger power may predict left-out rollouts better",
+                    .what = "the search for the power may have ended too early",
                     .evidence = evidence,
-                    .advice = "Raise refine.max_simulations"})};
+                    .advice = "Raise max_simulations in [method.refine]"})};
   }
   if (power >= small) return {};
   const bool is_chosen = std::ranges::any_of(
@@ -55,11 +62,11 @@ Findings remarks_on_power(const MethodResults& m, double power) {
       {.id = "power",
        .what = is_chosen ? "cross-validation trusts the simulator so little that the recording "
                            "hardly counts"
-                         : "the recording hardly counts at this refine.likelihood_power",
+                         : "the recording hardly counts at this likelihood_power",
        .evidence = evidence,
        .advice = is_chosen || m.data.target.num_rollouts() < 2
                      ? advice_on_model(m.study)
-                     : "Set refine.cross_validate = true"})};
+                     : "Set cross_validate = true in [method.refine]"})};
 }
 
 // Of refined posteriors: the certificates of their draws.
@@ -67,7 +74,7 @@ Findings judge_certificates(const MethodResults& m) {
   std::vector<std::string> faults;
   Index failed = 0;
   bool is_any_heavy = false, lacks_simulations = false;
-  double smallest = kInfinity, wanted = 0.0, heaviest = -kInfinity, power = 1.0;
+  double smallest = kInfinity, wanted = 0.0, heaviest = -kInfinity, power = 1.0, behind = 0.0;
   for (const EvaluatedRun* run : m.runs) {
     const inference::ImportanceCertificate& certificate = *run->notes.certificate;
     const std::vector<std::string> its = faults_of(m, *run);
@@ -78,6 +85,7 @@ Findings judge_certificates(const MethodResults& m) {
     failed += its.empty() ? 0 : 1;
     is_any_heavy |= is_heavy;
     lacks_simulations |= std::ssize(inference::faults_of(certificate)) > (is_heavy ? 1 : 0);
+    if (misses_a_mode(m, *run)) behind = std::max(behind, evidence_behind(m, *run));
     smallest = std::min(smallest, certificate.ess);
     wanted = std::max(wanted, certificate.wanted_ess);
     if (!(certificate.pareto_k <= heaviest)) heaviest = certificate.pareto_k;  // also NaN
@@ -87,13 +95,16 @@ Findings judge_certificates(const MethodResults& m) {
       is_any_heavy && !lacks_simulations
           ? fmt::format("Pareto k {:.2g} (fine up to {:.2g})", heaviest, inference::kLargestParetoK)
           : fmt::format("effective size {:.0f} (wanted: {:.0f})", smallest, wanted);
+  if (behind > 0.0 && !lacks_simulations && !is_any_heavy) {
+    size = fmt::format("log evidence {:.1f} below another seed's (the same: 0)", behind);
+  }
   if (power < 1.0) size += fmt::format(", power {:.2g}", power);
   if (failed > 0) {
     return {fails({.id = "certificate",
                    .what = "the refinement's draws cannot be trusted: " + listed(faults),
                    .evidence = size + seeds_text(failed, m.runs.size()),
-                   .advice = lacks_simulations ? "Raise refine.max_simulations"
-                                               : "Raise refine.level_size"})};
+                   .advice = lacks_simulations ? "Raise max_simulations in [method.refine]"
+                                               : "Raise level_size in [method.refine]"})};
   }
   Findings found = {passes({.evidence = size})};
   append(found, remarks_on_power(m, power));
@@ -113,7 +124,7 @@ Findings find_missed_modes(const MethodResults& m) {
                  .evidence = fmt::format("{:.0f} % of the posterior by NLE (fine up to {:.0f} %){}",
                                          100.0 * missed.maxCoeff(), 100.0 * most,
                                          seeds_text(failed, m.runs.size())),
-                 .advice = "Train with more simulations (num_simulations)"})};
+                 .advice = "Raise num_simulations in [[method]]"})};
 }
 
 // Of pooled networks (inference/pooled_posterior.h), which were each right about held-out
@@ -132,12 +143,11 @@ Findings judge_pool(const MethodResults& m) {
     failed += share < least ? 1 : 0;
     if (share >= smallest) continue;
     smallest = share;
-    power = fmt::format("power of NLE {:.2g} (fine from {:.2g} on)", left, least * wanted);
+    power = fmt::format("NLE keeps a weight of {:.2g} (fine from {:.2g} on)", left, least * wanted);
   }
   if (failed == 0) return {passes({.evidence = power})};
   return {fails({.id = "pool",
-                 .what = "NPE and NLE contradict each other, as the observation is unlike the "
-                         "simulations",
+                 .what = "the networks NPE and NLE disagree about this observation",
                  .evidence = power + seeds_text(failed, m.runs.size()),
                  .advice = advice_on_noise(m.study, advice_on_model(m.study))})};
 }
@@ -150,7 +160,7 @@ Findings judge_chains(const MethodResults& m) {
   if (r_hats.hasNaN()) {
     return {cannot_tell({.what = "chains have too few draws to be compared",
                          .evidence = "fewer than 4 draws of each chain",
-                         .advice = "Raise evaluate.num_samples"})};
+                         .advice = "Raise num_samples in [evaluate]"})};
   }
   const Index failed = (r_hats.array() > inference::kLargestRHat).count();
   const std::string size =
@@ -159,7 +169,7 @@ Findings judge_chains(const MethodResults& m) {
   return {fails({.id = "chains",
                  .what = "Markov chains have stayed in different places",
                  .evidence = size + seeds_text(failed, m.runs.size()),
-                 .advice = "Raise sampler.num_warmup"})};
+                 .advice = "Raise num_warmup in [method.sampler]"})};
 }
 
 }  // namespace

@@ -292,8 +292,7 @@ Findings find_in_rates(const Target& target, const std::vector<RatePair>& pairs,
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     CheckedPair& pair = all[i];
     if (std::ranges::all_of(pair.fits, agrees)) continue;
-    // A common ratio is a matter of units or of the clock.
-    pair.swap = words_of_swap(target, pairs[i], pair.ratio ? std::vector<Index>{} : free);
+    pair.swap = words_of_swap(target, pairs[i], free);
   }
   if (const std::optional<double> factor = factor_of_dt(all)) {
     return {warning(dt_problem(all, target.dt, *factor, time) + of_options)};

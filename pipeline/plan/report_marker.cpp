@@ -108,7 +108,8 @@ void mark_report(const Node& node, const std::filesystem::path& study,
                                        {"checks", verdicts},
                                        {"key_document", node.identity.key_document}};
   // In ASCII: titles may hold characters that turn what a terminal shows.
-  write_text_file(node.path, json.dump(2, ' ', true) + "\n");
+  write_text_file(node.path,
+                  json.dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 std::vector<CheckSummary> read_check_summaries(const Node& node) {
@@ -116,14 +117,18 @@ std::vector<CheckSummary> read_check_summaries(const Node& node) {
   const auto marker = marker_of(node);
   // Another run is making the report anew.
   if (marker.is_null() && !std::filesystem::exists(node.path)) return summaries;
+  const std::string damaged =
+      node.path.string() + ": is damaged; remove it and run the study again";
   try {
     for (const auto& verdict : marker.at("checks")) {
+      const auto& count = verdict.at("num_checks");
+      if (!count.is_number_unsigned() || count > 1000) throw InputError(damaged);
       summaries.push_back({verdict.at("method"), verdict.at("num_checks"), verdict.at("failed"),
                            verdict.at("unknown"), verdict.at("unchecked"),
                            reasons_of(verdict.at("reasons"))});
     }
   } catch (const nlohmann::ordered_json::exception&) {
-    throw InputError(node.path.string() + ": is damaged; remove it and run the study again");
+    throw InputError(damaged);
   }
   return summaries;
 }
@@ -164,13 +169,18 @@ std::string words_of(const CheckSummary& summary) {
 }
 
 std::string trust_of(const CheckSummary& summary) {
-  if (!summary.failed.empty())
-    return fmt::format("Don't trust its {}.", refuted_by(summary.failed));
+  if (!summary.failed.empty()) {
+    const std::string refuted = refuted_by(summary.failed);
+    return refuted.empty() ? "" : fmt::format("Don't trust its {}.", refuted);
+  }
   if (!summary.unknown.empty()) {
     return fmt::format("Too little is known to trust its {}.", refuted_by(summary.unknown));
   }
-  return summary.num_checks == 0 ? ""
-                                 : "Trust its parameters and error bars within this simulator.";
+  if (summary.num_checks == 0) return "";
+  const bool has_notes = std::ranges::any_of(
+      summary.reasons, [](const Finding& reason) { return reason.id != "unchecked"; });
+  return fmt::format("Trust its parameters and error bars within this simulator{}.",
+                     has_notes ? ", but see the notes" : "");
 }
 
 Findings find_replaced_report(const Plan& plan) {

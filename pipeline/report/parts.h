@@ -1,6 +1,7 @@
 /// Pieces that the tables and figures of a report share.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
@@ -64,7 +65,12 @@ struct TableOf {
       }
     }
     for (const std::string& note : last_notes) table.add_footnote(note);
-    if (compared.size() > 1) table.add_footnote("Bold: the best method of a row");
+    const auto has_best = [&](const analysis::Row& row) {
+      return std::ranges::count(table.best_of(row), true) > 0;
+    };
+    if (std::ranges::any_of(table.rows, has_best)) {
+      table.add_footnote("Bold: the best method of a row");
+    }
     return table;
   }
 };

@@ -37,7 +37,7 @@ struct ArtefactStatus {
   std::string detail;
   std::uintmax_t bytes = 0;  ///< on disk, shards included
   Cost cost;                 ///< nothing: not known
-  bool is_made = false;      ///< complete, and sound
+  bool is_made = false;      ///< complete, and could be read
   bool is_sound = true;      ///< false: it is there, but damaged or can't be read
   /// The artefact of an earlier version, when there is one.
   std::optional<std::filesystem::path> earlier;

@@ -159,6 +159,7 @@ void log_failure(const std::filesystem::path& log, const std::string& key, int s
   try {
     const auto cause = std::ranges::find_if(said, is_error);
     std::ofstream(log, std::ios::app)
+        << "\n"
         << failure_mark(key) << how_it_ended(status)
         << (cause == said.end() ? "" : ": " + printable_line(*cause)) << "\n";
   } catch (const std::exception&) {

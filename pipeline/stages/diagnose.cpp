@@ -40,10 +40,12 @@ struct Calibration {
 
 // Predictions of posterior samples, as the inference would see them, those that succeeded.
 struct Predictions {
-  RowMatrix theta;      // (n, D)
-  RowMatrix summaries;  // (n, S)
-  RowMatrixF features;  // (n, F)
+  std::vector<Index> rows = {};  // (n) of samples that succeeded
+  RowMatrix theta = {};          // (n, D)
+  RowMatrix summaries = {};      // (n, S)
+  RowMatrixF features = {};      // (n, F)
   Index num_failed = 0;
+  bool is_random = false;  // whether simulations of the same sample differ
 };
 
 // Inputs that the checks of one method and seed share.
@@ -173,7 +175,7 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
                          c.stream("diagnose_predictive_noise"));
   }
   std::vector<float> picked(static_cast<std::size_t>(selection.num_values()));
-  Predictions result{theta, {}, {theta.rows(), c.embedding->num_features()}, 0};
+  Predictions result{.features = {theta.rows(), c.embedding->num_features()}};
   Index next = 0;
   for (Index i = 0; i < rows.num_rows; ++i) {
     if (rows.status[static_cast<std::size_t>(i)] != sim::RolloutStatus::ok) continue;
@@ -191,31 +193,44 @@ Predictions predict(const Case& c, const RowMatrix& theta) {
     const Vector summary = summarize(picked, selection);
     if (next == 0) result.summaries.resize(theta.rows(), summary.size());
     result.summaries.row(next) = summary.transpose();
-    result.theta.row(next) = theta.row(i);
+    result.rows.push_back(i);
     c.embedding->embed(picked, {result.features.row(next).data(),
                                 static_cast<std::size_t>(result.features.cols())});
     ++next;
   }
-  result.num_failed = theta.rows() - next;
-  result.theta.conservativeResize(next, Eigen::NoChange);
   result.summaries.conservativeResize(next, Eigen::NoChange);
   result.features.conservativeResize(next, Eigen::NoChange);
   return result;
 }
 
-// Of posterior samples.
+// Of posterior samples; the first ones are simulated twice.
 Predictions predict(const Case& c) {
-  return predict(c, read_posterior(c.last_posterior())
-                        ->sample(c.config.num_samples, c.stream("diagnose_predictive")));
+  const RowMatrix theta = read_posterior(c.last_posterior())
+                              ->sample(c.config.num_samples, c.stream("diagnose_predictive"));
+  const Index num_again = std::min<Index>(theta.rows(), 10);
+  RowMatrix all(theta.rows() + num_again, theta.cols());
+  all << theta, theta.topRows(num_again);
+  Predictions made = predict(c, all);
+  const auto kept = std::ranges::lower_bound(made.rows, theta.rows()) - made.rows.begin();
+  for (auto i = static_cast<std::size_t>(kept); i < made.rows.size(); ++i) {
+    const auto first = std::ranges::lower_bound(made.rows, made.rows[i] - theta.rows());
+    if (*first != made.rows[i] - theta.rows()) continue;
+    const Index row = first - made.rows.begin(), again = static_cast<Index>(i);
+    made.is_random |= made.features.row(row) != made.features.row(again);
+  }
+  made.rows.resize(static_cast<std::size_t>(kept));
+  made.theta = theta(made.rows, Eigen::all);
+  made.summaries.conservativeResize(kept, Eigen::NoChange);
+  made.features.conservativeResize(kept, Eigen::NoChange);
+  made.num_failed = theta.rows() - kept;
+  return made;
 }
 
-// Without anything random an observation leaves no width; empty also for too few predictions.
-std::optional<Vector> check_width(const Case& c) {
-  const auto& [theta, summaries, features, num_failed] = c.predictions;
-  if (theta.rows() < inference::kFewestForWidth) return std::nullopt;
-  const RowMatrixF twice = predict(c, theta.topRows(1).replicate(2, 1)).features;
-  if (twice.rows() < 2 || twice.row(0) == twice.row(1)) return std::nullopt;
-  return inference::excess_width(theta, features);
+std::optional<WidthResult> check_width(const Case& c) {
+  const Predictions& p = c.predictions;
+  if (p.theta.rows() < inference::kFewestForWidth || !p.features.allFinite()) return std::nullopt;
+  if (!p.is_random) return WidthResult{Vector::Zero(p.theta.cols()), false};
+  return WidthResult{inference::excess_width(p.theta, p.features), true};
 }
 
 PredictiveResult check_predictions(const Case& c) {

@@ -102,10 +102,10 @@ class Refinement {
     return moves_;
   }
 
-  // "; the last: ..."; "": nothing is known of any.
+  // "; for example: ..."; "": nothing is known of any.
   std::string words_of_failure() const {
     const std::string last = likelihood_.last_failure();
-    return last.empty() ? "" : "; the last: " + last;
+    return last.empty() ? "" : "; for example: " + last;
   }
   // All simulations so far.
   Index num_draws() const { return moves_.num_draws + sampler_.state().num_draws; }

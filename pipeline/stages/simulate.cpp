@@ -113,7 +113,7 @@ Index count_failed(const std::vector<sim::RolloutStatus>& status) {
       simulation.node.label(), num_failed, which, num_rows,
       100.0 * static_cast<double>(num_failed) / static_cast<double>(num_rows),
       study.limits.max_failed_fraction, study.source().advice,
-      last.empty() ? "" : "; the last: " + last));
+      last.empty() ? "" : "; for example: " + last));
 }
 
 // A study of whose first rows too many fail has no use for the others of a user's simulator.
@@ -241,14 +241,14 @@ void warn_of_failures(const Simulation& simulation) {
     const std::string where = where_failures_lie(plan, node);
     Finding said = warning(fmt::format(
         "{} of {} rows failed ({}){}{}", num_failed, num_rows(plan, node), failures(file),
-        where.empty() ? "" : "; " + where, last.empty() ? "" : "; the last: " + last));
+        where.empty() ? "" : "; " + where, last.empty() ? "" : "; for example: " + last));
     if (are_few) said.severity = Severity::note;
     report_findings(node.label(), {said});
   } else if (!last.empty()) {
     report_warning(
         node.label(),
         "calls failed that went well when they were repeated, or with fewer rows, which takes much "
-        "longer; a simulator of many rows at once must take any number of them; the last: " +
+        "longer; a simulator of many rows at once must take any number of them; for example: " +
             last);
   }
 }

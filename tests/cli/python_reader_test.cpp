@@ -43,6 +43,8 @@ StudyText study_of_all_kinds() {
                               "embedding = { kind = \"convolution\", downsample = 20 }"})
       .method("mean", {"algorithm = \"npe_c\"", some, few_epochs, estimator("nsf"),
                        "embedding = { downsample = 10, average_rollouts = true }"})
+      .method("items", {"algorithm = \"npe_c\"", some, few_epochs, estimator("nsf"),
+                        "embedding = { downsample = 80, average_rollouts = true }"})  // 5 steps
       .method("pool", {"algorithm = \"npe_nle\"", some, training, estimator("nsf"), components})
       .method("features", {"algorithm = \"npe_nle\"", some, few_epochs, estimator("nsf"),
                            "embedding = { kind = \"all_steps\", downsample = 200 }"})

@@ -82,6 +82,9 @@ TEST(ExcessWidth, OfCopiesOfAFeatureIsThatOfOne) {
 TEST(ExcessWidth, RefusesWhatItCantJudge) {
   EXPECT_THROW(excess_width(RowMatrix::Zero(99, 1), RowMatrixF::Zero(99, 1)), InputError);
   EXPECT_THROW(excess_width(RowMatrix::Zero(200, 1), RowMatrixF::Zero(199, 1)), ShapeError);
+  RowMatrixF x = RowMatrixF::Zero(200, 2);
+  x(7, 1) = NAN;
+  EXPECT_THROW(excess_width(RowMatrix::Zero(200, 1), x), InputError);
 }
 
 }  // namespace

@@ -46,6 +46,7 @@ class Verdicts : public ::testing::Test {
     diagnosis.predictive.emplace();
     diagnosis.predictive->check.overall.num_reference = 100;
     diagnosis.predictive->median = Vector::Zero(1);
+    diagnosis.width = {Vector::Constant(2, 1.0), true};
     diagnosis.ood.emplace().num_reference = 100;
     diagnosis.failures.emplace();
     diagnosis.training.emplace().is_converged = true;

@@ -82,6 +82,9 @@ class SpoiledMethod : public Verdicts {
     }
     return *last().notes.certificate;
   }
+  void widen(double excess) {
+    data_.diagnoses.front().result.width = {Vector::Constant(2, excess), excess > 0.0};
+  }
   void add_point(const std::string& name, double rmse) {
     data_.baseline.points.push_back({name, Vector(), {{"rmse", rmse}}});
   }
@@ -231,6 +234,8 @@ class SpoiledMethod : public Verdicts {
            data_.diagnoses.front().result.predictive->num_failed = Index(n.at(0));
          }},
         {"sbc", [&] { data_.diagnoses.front().result.sbc.emplace().test.p_value = n.at(0); }},
+        {"width", [&] { widen(n.at(0)); }},
+        {"no_width", [&] { data_.diagnoses.front().result.width.reset(); }},
         {"predictive", [&] { predict(n.at(0)); }}};
     const auto found = statements.find(name);
     if (found == statements.end()) return false;
