@@ -145,6 +145,13 @@ TEST_F(External, ResultsDoNotDependOnTheShards) {
   EXPECT_EQ(digests(folder_ / "parts/external-shell"), digests(folder_ / "whole/external-shell"));
 }
 
+TEST_F(External, FeaturesGetTrainedLayersByTheirShape) {
+  run_well({"shell.toml", "--until", "evaluate", "--set", "method.embedding.shape=[1, 2, 1]"});
+  expect_exact_posterior("external-shell");
+  const Outcome wrong = npdr(2, {"run", "shell.toml", "--set", "method.embedding.shape=[1, 5, 1]"});
+  EXPECT_TRUE(has(wrong.err, "= [1, 5, 1], must be of a product of 2, the number of features"));
+}
+
 TEST_F(External, SamplesOfParametersWithCommasInTheirUnitsComeBack) {
   run_well({"shell.toml", "--until", "infer", "--set", "method.num_simulations=200", "--set",
             "simulator.parameter=[{name='a', unit='N,m'}, {name='b', unit='1'}]"});

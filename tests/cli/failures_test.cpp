@@ -51,7 +51,7 @@ TEST_F(Failures, OfAllRowsAreAnError) {
   const Outcome outcome = run_study("print \\\"nan\\\"", {});
   EXPECT_EQ(outcome.status, 2);
   EXPECT_TRUE(
-      has(outcome.err, "all of its 200 rows failed (200 diverged): nothing can be learned"));
+      has(outcome.err, "all of its 200 rows failed (100 %: 200 diverged): nothing can be learned"));
 }
 
 TEST_F(Failures, OfPredictionsAreAVerdict) {
