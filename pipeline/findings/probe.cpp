@@ -118,6 +118,7 @@ Finding judge_p_value(const MethodResults& m, const PValueProbe& probe) {
 }
 
 std::string advice_to_learn(const MethodResults& m) {
+  if (m.is(inference::Algorithm::refine)) return "Raise max_simulations in [method.refine]";
   using enum inference::EmbeddingKind;
   const inference::EmbeddingKind kind = m.method.embedding.kind;
   const bool sees_all = m.method.embedding.trains_layers() || kind == all_steps || kind == identity;

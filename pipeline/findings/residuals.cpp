@@ -70,7 +70,7 @@ Findings judge<Check::residuals>(const MethodResults& m) {
   Finding said;
   if (failed > 0 || !is_by_chance(worst)) said = words_of_residuals(m, worst);
   said.evidence =
-      fmt::format("variances of parameters are {:.2g} times too small (fine up to {:.2g})",
+      fmt::format("variances of parameters should be {:.2g} times as large (fine up to {:.2g})",
                   excess_of(worst), kMostExcess);
   if (failed > 0) said.evidence += seeds_text(failed, m.runs.size());
   return {failed > 0 ? fails(said) : passes(said)};
