@@ -36,7 +36,7 @@ class Diagnose : public StudyRun {
 // 20 epochs end no training: with --strict the exit status says so.
 TEST_F(Diagnose, ARunEndsWithVerdictsAndWhatToDo) {
   EXPECT_TRUE(has(run_output_, {"\nNPE: ", " of 8 checks FAIL: ", "\nNRE: ", "\n  Don't trust its ",
-                                "\n    Raise training.max_epochs above 20\n"}));
+                                "\n    Set max_epochs = 40 in [method.training]\n"}));
   const Outcome again = npdr(0, {"run", "checked.toml"});
   EXPECT_EQ(again.out, run_output_);
   EXPECT_TRUE(has(again.err, "checked: nothing to do, all is up to date"));
