@@ -102,7 +102,10 @@ class MethodChecker : Checker {
             embedding.kind != EmbeddingKind::convolution || embedding.principal_components == 0,
             "0 with kind 'convolution', which sees steps; 'all_steps' has principal components");
     if (!study_.source().gives_motion) return;  // features may not be known yet
-    must_be_left_out({at("embedding.shape")}, "it is for features; rollouts have a shape already");
+    if (!embedding.shape.empty()) {
+      must_be_left_out({at("embedding.shape")},
+                       "it is for features; rollouts have a shape already");
+    }
     if (!info_) return;
     const std::string path = at("embedding.channels");
     for (const std::string& channel : embedding.channels) {

@@ -1,4 +1,4 @@
-#include "pipeline/config/checker.h"
+#include "pipeline/config/study_check.h"
 
 #include <optional>
 #include <set>
@@ -8,9 +8,9 @@
 #include "core/error.h"
 #include "inference/diagnostics/out_of_distribution.h"
 #include "pipeline/config/check.h"
+#include "pipeline/config/checker.h"
 #include "pipeline/config/constraint.h"
 #include "pipeline/config/simulator_info.h"
-#include "pipeline/config/study_check.h"
 #include "pipeline/store/column_labels.h"
 
 namespace npdr::pipeline {

@@ -28,7 +28,8 @@ std::string advice_on_name(const fs::path& file, const std::string& otherwise) {
   if (!fs::is_regular_file(file.parent_path() / meant, error)) {
     std::vector<std::string> studies;
     for (const auto& entry : fs::directory_iterator(file.parent_path() / ".", error)) {
-      if (entry.path().extension() == ".toml") studies.push_back(entry.path().filename().string());
+      if (entry.path().extension() == ".toml" && entry.is_regular_file(error))
+        studies.push_back(entry.path().filename().string());
     }
     std::ranges::sort(studies);
     meant = nearest_name(file.filename().string(), studies);

@@ -92,12 +92,12 @@ TEST_F(ReportPage, AllowsItsOwnScriptAlone) {
 TEST(Report, SaysFirstWhatHoldsAndWhatFails) {
   Report report{"Title", "Prose."};
   report.verdicts = {{true, "A: 3 of 3 checks pass"},
-                     {false, "B: <1> of 3 checks FAILS\nDon't", {"a & b\nc"}}};
+                     {false, "B: <1> of 3 checks FAILS\nBeware", {"a & b\nc"}}};
   const std::string html = to_html(report);
   EXPECT_EQ(markup_error(html), "");
   const std::size_t holds = html.find("<li class=\"holds\">A: 3 of 3 checks pass</li>");
   const std::size_t fails = html.find(
-      "<li class=\"fails\"><details><summary>B: &lt;1&gt; of 3 checks FAILS<br/>Don't</summary>\n"
+      "<li class=\"fails\"><details><summary>B: &lt;1&gt; of 3 checks FAILS<br/>Beware</summary>\n"
       "<p>a &amp; b<br/>c</p></details></li>");
   EXPECT_LT(holds, fails);
   EXPECT_LT(fails, html.find("<p>Prose.</p>"));

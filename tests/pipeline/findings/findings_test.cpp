@@ -129,10 +129,10 @@ TEST_F(Verdicts, PowersAreDrawnOfASeventhMethod) {
 TEST_F(Verdicts, TheTableHasThemAll) {
   data_.diagnoses.front().result.ood->p_value = 1e-5;
   const analysis::Table table = diagnostics_table(data_).value();
-  EXPECT_EQ(table.rows.size(), 8u);
+  EXPECT_EQ(table.rows.size(), 9u);
   EXPECT_EQ(table.footnotes.size(), 1u);
-  EXPECT_EQ(table.rows[1].label, "x_o among simulations");
-  EXPECT_EQ(table.rows[1].cells.front().notes, table.footnotes);
+  EXPECT_EQ(table.rows[2].label, "x_o among simulations");
+  EXPECT_EQ(table.rows[2].cells.front().notes, table.footnotes);
 }
 
 RecordingMisfit misfit_of(double times, bool noise_is_given, double limit) {
@@ -154,7 +154,7 @@ TEST_F(Verdicts, ErrorsBeyondTheNoiseOfARecordingFail) {
   data_.baseline.misfit = misfit_of(1.9, true, 1.15);
   EXPECT_EQ(finding_of(Check::fit).severity, Severity::wrong);
   EXPECT_EQ(finding_of(Check::fit).id, "fit.misfit");
-  EXPECT_TRUE(says(finding_of(Check::fit).evidence, {"1.9 times the stated noise", "1.15"}));
+  EXPECT_TRUE(has(finding_of(Check::fit).evidence, {"1.9 times the stated noise", "1.15"}));
   data_.baseline.misfit->cause = "actions 2 samples later";
   data_.baseline.misfit->times_of_cause = 1.01;
   EXPECT_TRUE(has(finding_of(Check::fit).advice, "actions 2 samples later"));
@@ -167,7 +167,7 @@ TEST_F(Verdicts, AMisfitSaysWhereTheSimulatorIsWrong) {
   data_.baseline.misfit = misfit_of(2.0, true, 1.15);
   data_.target.dt = 0.02;  // 200 steps
   data_.baseline.misfit->left.topRows(1) << 8.0, 1.0;
-  EXPECT_TRUE(says(finding_of(Check::fit).what, {" in theta of every rollout in the first 0.4 s"}));
+  EXPECT_TRUE(has(finding_of(Check::fit).what, {" in theta of every rollout in the first 0.4 s"}));
   data_.baseline.misfit->left.col(0).setConstant(120.0);
   EXPECT_TRUE(finding_of(Check::fit).what.ends_with(" in theta of every rollout"));
 }

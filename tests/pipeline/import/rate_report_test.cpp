@@ -151,7 +151,7 @@ TEST(RateReport, NamesTheColumnAndItsFactor) {
         "alpha_dot=0.10472"}},
       {with([&](RowMatrix& s) { s.leftCols(2) *= degrees; }), {"alpha changes"}},  // no wrong time
       {with([](RowMatrix& s) { s.col(2).swap(s.col(3)); }),
-       {"alpha_dot isn't the slope of alpha, but theta_dot is", "swapped"}}};
+       {"alpha_dot isn't the slope of alpha, but alpha_dot is that of theta", "swapped"}}};
   for (const auto& [target, said] : pairs) {
     const std::vector<std::string> both = problems(target);
     ASSERT_EQ(both.size(), 2u) << said.front() << ": " << join(both, "\n");

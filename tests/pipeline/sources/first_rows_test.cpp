@@ -133,7 +133,7 @@ TEST_F(RowsApart, AreAStretchThatIsWrong) {
 
 TEST_F(RowsApart, AreTheSameOfOtherParameters) {
   for (Index i = 0; i < 5; ++i) rows_.x.row(7 * i) = rows_.x.row(7 * i + 60);
-  EXPECT_TRUE(says(words_of(find_apart(rows_)), {"10 of 200 rows"}));
+  EXPECT_TRUE(has(words_of(find_apart(rows_)), {"the very x of others", "10 of 200 rows"}));
 }
 
 }  // namespace
