@@ -39,8 +39,9 @@ std::vector<std::string> faults_of(const ImportanceCertificate& certificate) {
   return faults;
 }
 
-std::string verdict(const std::vector<std::string>& faults) {
-  return faults.empty() ? "passes" : "FAILS: " + join(faults);
+std::string verdict(const ImportanceCertificate& certificate) {
+  const std::vector<std::string> faults = faults_of(certificate);
+  return faults.empty() ? "holds" : "FAILS: " + join(faults);
 }
 
 std::string words_of(const std::optional<SearchCounts>& searched) {

@@ -45,11 +45,8 @@ bool finds_less(const ImportanceCertificate& certificate, const ImportanceCertif
 /// are more than 4 standard errors apart. NaN is a fault.
 std::vector<std::string> faults_of(const ImportanceCertificate& certificate);
 
-/// "passes", or "FAILS: " and the faults.
-std::string verdict(const std::vector<std::string>& faults);
-inline std::string verdict(const ImportanceCertificate& certificate) {
-  return verdict(faults_of(certificate));
-}
+/// "holds", or "FAILS: " and the faults.
+std::string verdict(const ImportanceCertificate& certificate);
 
 /// "searched 84 places, found none"; "" where nobody has noted that.
 std::string words_of(const std::optional<SearchCounts>& searched);

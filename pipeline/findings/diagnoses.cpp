@@ -211,7 +211,7 @@ Findings judge<Check::predictive>(const MethodResults& m) {
 
 // None of 1200 right posteriors exceeds it, and all that are 3 times too wide do, 200 draws of
 // Gaussians with 1 to 1500 features each; right ones with other likelihoods reach 1.5.
-constexpr double kMostExcessWidth = 1.8;
+constexpr double kMostExcessWidth = 1.6;
 
 // A refinement that trusts the likelihood less is wider on purpose.
 double wanted_excess(const MethodResults& m) {

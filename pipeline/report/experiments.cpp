@@ -5,6 +5,7 @@
 
 #include "core/constants.h"
 #include "core/normal.h"
+#include "core/text.h"
 #include "inference/prior.h"
 #include "inference/samplers/chain_diagnostics.h"
 #include "pipeline/artefacts/simulation_file.h"
@@ -301,7 +302,8 @@ std::optional<Table> refinement_table(const ReportData& data) {
   add("search", [](const Certificate& certificate) { return words_of(certificate.searched); });
   // In the words of the check of that name, which tells nothing of simulator and noise.
   table.add("Sampling", [&data](const EvaluatedRun* run) -> Cell {
-    return inference::verdict(faults_of(MethodResults(data, run->use.method), *run));
+    const auto faults = faults_of(MethodResults(data, run->use.method), *run);
+    return faults.empty() ? "passes" : "FAILS: " + join(faults);
   });
   return table.make();
 }

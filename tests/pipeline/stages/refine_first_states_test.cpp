@@ -78,7 +78,7 @@ class FirstStates : public FolderTest {
     const Node& node = plan.node(Stage::infer, {"Refined", 1, 1});
     run_until(plan, Stage::infer);
     const h5::File file = open_artefact(node, kPosteriorSchema);
-    EXPECT_EQ(inference::verdict(*read_part<inference::ImportanceCertificate>(file)), "passes");
+    EXPECT_EQ(inference::verdict(*read_part<inference::ImportanceCertificate>(file)), "holds");
     const auto posterior = read_particles(file);
     const RowMatrix theta = posterior->sample(2000, {1, "test", 0, 0, 0});
     const Vector mean = theta.colwise().mean();
