@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <span>
 #include <sstream>
 #include <vector>
@@ -14,12 +15,39 @@
 #include "pipeline/config/external_config.h"
 #include "pipeline/config/field_reader.h"
 #include "pipeline/config/study_keys.h"
-#include "pipeline/config/toml_syntax.h"
 
 namespace npdr::pipeline {
 namespace {
 
 using Path = std::vector<std::string>;
+
+// toml++ destroys nested tables recursively; a key of very many parts would overflow the stack.
+constexpr std::ptrdiff_t kMaxDotsOfFile = 4'999;  // of up to 9998 levels, in 4 MB of stack
+constexpr std::ptrdiff_t kMaxDotsOfOverride = 1'000;
+
+// But for those of numbers, between digits and the only one of its word. Every other dot of a key
+// counts at least: "1.1 . 1.1".
+std::ptrdiff_t count_dots(std::string_view text) {
+  const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+  std::ptrdiff_t all = 0;
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find_first_of(" \t\r\n,=[]{}"));
+    const std::ptrdiff_t dots = std::ranges::count(word, '.');
+    const std::size_t dot = word.find('.');
+    const bool is_number = dots == 1 && dot > 0 && dot + 1 < word.size() &&
+                           is_digit(word[dot - 1]) && is_digit(word[dot + 1]);
+    if (!is_number) all += dots;
+    text.remove_prefix(std::min(word.size() + 1, text.size()));
+  }
+  return all;
+}
+
+void require_few_dots(std::string_view text, std::ptrdiff_t limit) {
+  const std::ptrdiff_t dots = count_dots(text);
+  if (dots <= limit) return;
+  throw InputError(fmt::format(
+      "holds {} dots beside those of numbers, more than a study needs ({})", dots, limit));
+}
 
 // One key=value of the command line, not parsed yet.
 struct Assignment {
@@ -192,6 +220,20 @@ void remove_rival(toml::table& document, const Path& path) {
   keep_only(*table, path[1], std::array{"recording", "truth", "observation"});
 }
 
+// What toml++ says of a text without quotes takes it for a number, or for true or false.
+const char* advice_on(std::string_view description) {
+  constexpr std::array taken_for = {"determine value type", "parsing floating-point",
+                                    "parsing boolean", "decimal integer: expected"};
+  const auto is_said = [&](const char* words) {
+    return description.find(words) != description.npos;
+  };
+  if (std::ranges::any_of(taken_for, is_said)) {
+    return "; texts stand in quotes, such as name = \"NPE\"";
+  }
+  const bool is_second = is_said("redefine existing table");
+  return is_second ? "; a table stands once, each of several methods is [[method]]" : "";
+}
+
 toml::table parse_toml(std::string_view text, const std::string& origin) {
   try {
     require_few_dots(text, kMaxDotsOfFile);
@@ -199,8 +241,8 @@ toml::table parse_toml(std::string_view text, const std::string& origin) {
   } catch (const InputError& error) {
     throw InputError(origin + ": " + error.what());
   } catch (const toml::parse_error& error) {
-    throw InputError(
-        words_of_syntax_error(text, place_of(error.source(), origin), error.description()));
+    throw InputError(place_of(error.source(), origin).str() + ": " +
+                     std::string(error.description()) + advice_on(error.description()));
   }
 }
 
