@@ -209,8 +209,7 @@ Findings judge<Check::predictive>(const MethodResults& m) {
   return {judge_p_value(m, {Check::predictive, words_of_prediction, too_few_predictions})};
 }
 
-// None of 1200 right posteriors exceeds it, and all that are 3 times too wide do, 200 draws of
-// Gaussians with 1 to 1500 features each; right ones with other likelihoods reach 1.5.
+// Right posteriors stay below 1.5, those three times too wide exceed it (docs/methods.md).
 constexpr double kMostExcessWidth = 1.6;
 
 // A refinement that trusts the likelihood less is wider on purpose.

@@ -44,10 +44,11 @@ TEST(ExcessWidth, IsThatOfGaussiansOfAnyNumberOfFeatures) {
 }
 
 // Of 200 draws, which a diagnosis has by default: 1.6 is its limit.
-TEST(ExcessWidth, OfARightPosteriorIsOneAtMost) {
+TEST(ExcessWidth, TellsRightPosteriorsFromThoseThreeTimesAsWide) {
   for (const Index num_features : {1, 20, 400}) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       EXPECT_LT(excess_of(wide_gaussian(1.0, 200, num_features, seed)), 1.5) << num_features;
+      EXPECT_GT(excess_of(wide_gaussian(3.0, 200, num_features, seed)), 1.6) << num_features;
     }
   }
 }
