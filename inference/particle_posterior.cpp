@@ -81,6 +81,7 @@ Vector ParticlePosterior::log_prob(const RowMatrix& theta) const {
 }
 
 Vector ParticlePosterior::map(const StreamId& id) const {
+  if (parts_.mode.size() > 0) return parts_.mode;
   if (parts_.space == ParticleSpace::normal_prior) return Posterior::map(id);
   return best_sample(id);
 }

@@ -31,6 +31,7 @@ struct ParticleParts {
   bool smooth = false;
   /// C > 0: the particles are draws of C Markov chains, draw s of chain c in row s C + c.
   Index num_chains = 0;
+  Vector mode = {};  ///< (D) the likeliest theta; empty: it is searched for
 };
 
 class ParticlePosterior final : public Posterior {

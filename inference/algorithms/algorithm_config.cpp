@@ -33,6 +33,7 @@ constexpr std::array kAlgorithms = std::to_array<AlgorithmTraits>({
     {{A::abc_mcmc, "abc_mcmc", "mcmc_abc"}, F::abc},
     {{A::abc_smc, "abc_smc", "smc_abc"}, F::abc},
     {{A::linear_regression, "linear_regression", "blr bayesian_linear_regression"}, F::regression},
+    {{A::least_squares, "least_squares", "nlls robust_least_squares"}, F::fit},
     {{A::refine, "refine", "importance_sampling exact"}, F::likelihood},
     {{A::prior, "prior", "domain_randomization"}, F::fixed},
     {{A::nominal, "nominal"}, F::fixed},

@@ -23,6 +23,7 @@ enum class Algorithm {
   abc_mcmc,
   abc_smc,
   linear_regression,  ///< bayesian_linear_regression.h
+  least_squares,      ///< least_squares.h
   refine,             ///< importance_sampler.h
   prior,              ///< infers nothing, to be compared with: domain randomization over the prior
   nominal,            ///< infers nothing, either: the nominal parameters
@@ -34,6 +35,7 @@ enum class AlgorithmFamily {
   abc,         ///< the simulations that are near the observation
   regression,  ///< the equations of motion and the recordings, no simulation
   likelihood,  ///< the likelihood of the observation noise, at simulations that it asks for
+  fit,         ///< simulations that it fits to the observation
   fixed,       ///< nothing: what is known before any observation
 };
 

@@ -42,6 +42,7 @@ const std::map<std::string_view, const char*> kWords = {
     {"abc_smc", "the same by populations that come nearer from round to round"},
     {"linear_regression",
      "the equations of motion as a Bayesian regression on the recording, no simulation"},
+    {"least_squares", "the best fit from many starts, robust, with error bars by its curvature"},
     {"refine",
      "the posterior under the noise's likelihood, from another method's, with its evidence"},
     {"prior", "infers nothing: domain randomization over the prior"},

@@ -58,12 +58,10 @@ void print_judging(const Plan& plan) {
   const Study& study = plan.study;
   const bool simulates = study.source().simulates;
   const Index baselines = simulates ? num_of(plan, Stage::baseline) : 0;
-  fmt::print("to judge them: {}{} of {} samples{}{}\n",
-             counted(num_of(plan, Stage::evaluate), "evaluation"),
-             baselines > 0 ? " and " + counted(baselines, "baseline") : "",
-             study.evaluate.num_samples,
-             simulates ? ", each simulated" : ", none of them simulated",
-             study.target.recording && study.evaluate.floor ? ", and a search for the floor" : "");
+  fmt::print(
+      "to judge them: {}{} of {} samples{}\n", counted(num_of(plan, Stage::evaluate), "evaluation"),
+      baselines > 0 ? " and " + counted(baselines, "baseline") : "", study.evaluate.num_samples,
+      simulates ? ", each simulated" : ", none of them simulated");
   const Index diagnoses = num_of(plan, Stage::diagnose);
   if (diagnoses == 0) return;
   const bool predicts = study.diagnose.has(Check::predictive) || study.diagnose.has(Check::width);
@@ -71,6 +69,19 @@ void print_judging(const Plan& plan) {
              diagnoses == 1 ? "i" : "e", study.diagnose.num_samples,
              simulates && predicts ? ", those at the observation simulated" : "");
   print_calibration(plan);
+}
+
+void print_fits(const Plan& plan) {
+  Index count = 0, simulations = 0;
+  for (const Node& node : plan.nodes) {
+    if (node.stage != Stage::infer) continue;
+    const MethodConfig& method = plan.study.method(node.uses.front().method);
+    if (family_of(method) != inference::AlgorithmFamily::fit) continue;
+    ++count;
+    simulations += method.least_squares.max_simulations;
+  }
+  if (count == 0) return;
+  fmt::print("{}: at most {} simulations\n", counted(count, "least-squares fit"), simulations);
 }
 
 void print_refinements(const Plan& plan) {
@@ -152,10 +163,11 @@ void print_work(const Plan& plan) {
     values = rollouts * (steps / study.simulator.store_every) *
              std::ssize(plan.source->info().state_channels);
   }
-  fmt::print("{} artefacts: {}, {} to train, at most {} of {}\n", plan.nodes.size(), work,
+  fmt::print("{} artefacts: {}, {}, at most {} of {}\n", plan.nodes.size(), work,
              counted(num_of(plan, Stage::infer), "posterior"),
              size_text(static_cast<std::uintmax_t>(values) * sizeof(float)),
              source.gives_motion ? "trajectories" : "x");
+  print_fits(plan);
   print_refinements(plan);
   print_judging(plan);
   print_policy_searches(plan);

@@ -142,8 +142,8 @@ void describe(Layout f, Baseline& baseline) {
     }
   }
   f("name", names, {{"n"}},
-    "`nominal`; the study's references; then `truth` for a simulated target, or `floor` for a "
-    "recording with `evaluate.floor`");
+    "`nominal`; the study's references; then `truth` for a simulated target, or `floor`, the "
+    "least-squares fit of a recording");
   f("theta", theta, {kRow, kParameter}, "their parameters").columns(baseline.parameters);
   f.each(metrics, metrics_of(f), {kRow},
          "their metrics, named as in an [evaluation](#evaluation); NaN where the rollouts failed");

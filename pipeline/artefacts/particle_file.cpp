@@ -33,6 +33,8 @@ void describe(Layout f, inference::ParticleParts& parts) {
         "the particles; not finite only where a regression divides by 0",
         may_be_infinite ? DatasetOptions{} : kFinite);
   group("weight", parts.weights, {kRow}, "their weights, >= 0", kFinite);
+  group("mode", parts.mode, {kParameter}, "`least_squares`: the best fit",
+        {.allowed = h5::Values::finite, .unless_empty = true});
 }
 
 void describe(Layout f, inference::AbcPopulation& population) {

@@ -51,6 +51,10 @@ class MethodChecker : Checker {
     if (algorithm_.family == abc) check_abc();
     if (algorithm_.family == regression) check_regression();
     if (algorithm_.family == likelihood) check_refine();
+    if (algorithm_.family == fit && !study_.source().gives_motion) {
+      fail(at("algorithm"),
+           "algorithm 'least_squares' needs a simulator of rollouts, not of features");
+    }
     for (const auto& [metric, figure] : method_.published) {
       require_known(at("published." + metric), "method.published", "metric", metric,
                     names_of<Metric>());

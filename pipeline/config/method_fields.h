@@ -114,6 +114,15 @@ void describe(Fields& f, inference::LinearRegressionConfig& c) {
 }
 
 template <class Fields>
+void describe(Fields& f, inference::LeastSquaresConfig& c) {
+  f("num_candidates", c.num_candidates, between(1, 1'000'000),
+    "draws of the prior that starts are chosen from");
+  f("num_starts", c.num_starts, between(1, 1000), "starts that are fitted");
+  f("max_simulations", c.max_simulations, count_from(1),
+    "in all; of users' simulators as many as other methods make, at most, when left out");
+}
+
+template <class Fields>
 void describe(Fields& f, RefineConfig& c) {
   f("start", c.start, anything<std::string>(),
     "the method whose posterior is refined; empty: begin with the prior",
@@ -214,6 +223,9 @@ void describe(Fields& f, MethodConfig& c, const PolicyConfig& policy = {}) {
         use_of(family == abc));
   table(f, "linear_regression", c.linear_regression, "the algorithm \"linear_regression\"",
         use_of(family == regression));
+  FieldUse of_fits = use_of(family == fit);
+  of_fits.omitted = family != fit;
+  table(f, "least_squares", c.least_squares, "the algorithm \"least_squares\"", of_fits);
   FieldUse of_refinements = use_of(family == likelihood);
   of_refinements.omitted = family != likelihood;
   table(f, "refine", c.refine, "the algorithm \"refine\"", of_refinements);

@@ -143,7 +143,7 @@ class SourceChecker : Checker {
     must_be_left_out({"target.recording", "target.inputs", "target.rollouts", "target.num_rollouts",
                       "target.held_out", "evaluate.leave_out"},
                      no_rollouts());
-    must_be_left_out({"evaluate.floor"}, "no search is made with a " + what_);
+    must_be_left_out({"evaluate.floor"}, "nothing is fitted with a " + what_);
     if (!source_.simulates || study_.evaluate.metrics != std::vector{Metric::distance}) {
       must_be_left_out({"evaluate.metrics"}, no_rollouts());
     }

@@ -70,6 +70,13 @@ const MethodConfig& Study::method(const std::string& method_name) const {
   throw InputError(unknown_name("method", method_name, names));
 }
 
+const MethodConfig* Study::floor_method() const {
+  const auto fit = std::ranges::find_if(methods, [](const MethodConfig& method) {
+    return family_of(method) == inference::AlgorithmFamily::fit;
+  });
+  return evaluate.floor && target.recording && fit != methods.end() ? &*fit : nullptr;
+}
+
 DiagnoseConfig Study::diagnose_of(const MethodConfig& method) const {
   DiagnoseConfig config = diagnose;
   if (!infers(method)) config.checks.clear();

@@ -14,6 +14,7 @@
 #include "inference/algorithms/algorithm_config.h"
 #include "inference/embeddings/embedding_config.h"
 #include "inference/estimators/estimator_config.h"
+#include "inference/least_squares/least_squares.h"
 #include "inference/linear_regression/linear_regression_config.h"
 #include "inference/policy_search/policy_search_config.h"
 #include "inference/prior.h"
@@ -133,6 +134,7 @@ struct MethodConfig {
   inference::SamplerConfig sampler;
   inference::AbcConfig abc;
   inference::LinearRegressionConfig linear_regression;
+  inference::LeastSquaresConfig least_squares;
   RefineConfig refine;
   std::map<std::string, PublishedFigure> published;  ///< by metric
 };
@@ -226,6 +228,10 @@ struct Study {
 
   /// Throws InputError with the nearest name when no method is called `method_name`.
   const MethodConfig& method(const std::string& method_name) const;
+
+  /// The least-squares fit that errors of a recording's posteriors are compared with; nullptr:
+  /// none.
+  const MethodConfig* floor_method() const;
 
   /// The checks that mean something to a method.
   DiagnoseConfig diagnose_of(const MethodConfig& method) const;

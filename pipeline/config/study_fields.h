@@ -85,7 +85,7 @@ void describe(Fields& f, EvaluateConfig& c) {
   choices(f, "metrics", c.metrics, 1, "what simulated rollouts are measured by");
   choice(f, "rounds", c.rounds, "which rounds' posteriors are evaluated");
   f("floor", c.floor, anything<bool>(),
-    "of a recording: also search for the smallest RMSE in the prior");
+    "of a recording: also fit it by least squares, which posteriors are compared with");
   f("leave_out", c.leave_out, folds_constraint(),
     "folds: every method is repeated without each k-th part of the rollouts, to predict it; 0: "
     "not");

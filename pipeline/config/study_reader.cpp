@@ -83,6 +83,7 @@ class Resolver {
       study_.policy.search.kind = inference::PolicyOptimizerKind::power;
     }
     resolve_external();
+    add_fit();
     for (std::size_t i = 0; i < study_.methods.size(); ++i) {
       resolve_method(study_.methods[i], path_of(i));
     }
@@ -147,6 +148,36 @@ class Resolver {
     }
   }
 
+  // Every recording is fitted, which is the first answer and what others are compared with.
+  void add_fit() {
+    constexpr const char* name = "Least squares";
+    if (!study_.target.recording || !study_.source().gives_motion || !study_.evaluate.floor) return;
+    const bool is_there = std::ranges::any_of(study_.methods, [](const MethodConfig& method) {
+      return family_of(method) == inference::AlgorithmFamily::fit;
+    });
+    const bool is_taken =
+        std::ranges::any_of(study_.methods, [](const MethodConfig& m) { return m.name == name; });
+    study_.evaluate.floor =
+        is_there || (study_.source().simulates && !reading_.has("policy") && !is_taken);
+    if (is_there || !study_.evaluate.floor) return;
+    MethodConfig& fit = study_.methods.emplace_back();
+    fit.name = name;
+    fit.algorithm.kind = inference::Algorithm::least_squares;
+  }
+
+  // Of users' simulators, which may be slow, not more rows than for other methods.
+  void resolve_fit(MethodConfig& method) {
+    if (study_.source().is_built_in) return;
+    Index most = 0;
+    for (const MethodConfig& other : study_.methods) {
+      if (learns(other)) {
+        most = std::max(most, other.algorithm.num_rounds * other.algorithm.num_simulations);
+      }
+    }
+    inference::LeastSquaresConfig& fit = method.least_squares;
+    if (most > 0) fit.max_simulations = std::min(fit.max_simulations, most);
+  }
+
   void resolve_files() {
     ExternalConfig& external = study_.external;
     resolve_path(external.dataset, "simulator.dataset");
@@ -188,6 +219,7 @@ class Resolver {
     if (!inference::allows_ensembles(traits) && leaves_out(".density_estimator.num_networks")) {
       method.density_estimator.num_networks = 1;
     }
+    if (traits.family == fit && leaves_out(".least_squares.max_simulations")) resolve_fit(method);
     resolve_embedding(method, path + ".embedding.");
     if (leaves_out(".training.batch_size")) {  // few simulations make smaller batches
       const auto rows = static_cast<Index>(static_cast<double>(num_learned_from(method)) *

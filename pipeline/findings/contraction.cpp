@@ -169,7 +169,7 @@ std::string distance_text(double distance, double most) {
 // That seeds are far apart, about which parameters: most of them are wrong, each as sure as if it
 // were right.
 Findings find_contradicting_seeds(const MethodResults& m) {
-  constexpr double most = 0.5;
+  constexpr double most = 0.5, far_too_much = 1.0;
   if (m.has_outer_loop()) return {};
   std::vector<std::string> parameters;
   double largest = 0.0;
@@ -180,11 +180,12 @@ Findings find_contradicting_seeds(const MethodResults& m) {
     largest = std::max(largest, found);
   }
   if (parameters.empty()) return {};
-  return {passes({.id = "seeds",
-                  .what = fmt::format("seeds disagree about {}, each as sure as if it were right",
-                                      listed(parameters)),
-                  .evidence = "their means differ by " + distance_text(largest, most),
-                  .advice = "Draw from all seeds together, as npdr sample does"})};
+  Finding said{.id = "seeds",
+               .what = fmt::format("seeds disagree about {}, each as sure as if it were right",
+                                   listed(parameters)),
+               .evidence = "their means differ by " + distance_text(largest, most),
+               .advice = "Draw from all seeds together, as npdr sample does"};
+  return {largest > far_too_much ? fails(std::move(said)) : passes(std::move(said))};
 }
 
 // Which other methods of the study are far from this one, each with the parameter about which it is

@@ -120,15 +120,6 @@ std::vector<const Node*> Plan::inputs(const Node& node, std::string_view name) c
   return found;
 }
 
-Index Plan::num_floor_evaluations() const {
-  if (study.source().is_built_in || !study.target.recording || !study.evaluate.floor) return 0;
-  Index most = 0;
-  for (const MethodConfig& method : study.methods) {
-    most = std::max(most, method.algorithm.num_rounds * method.algorithm.num_simulations);
-  }
-  return most;
-}
-
 Plan make_plan(Study study, const WorkFolder& work, const Selection& selection) {
   return PlanBuilder(std::move(study), work, selection).build();
 }

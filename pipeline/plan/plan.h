@@ -129,9 +129,6 @@ struct Plan {
   const Node& input(const Node& node, std::string_view name) const;
   /// Its inputs "name_1", "name_2", ..., in their order.
   std::vector<const Node*> inputs(const Node& node, std::string_view name) const;
-  /// Simulations that the search for the floor may make; 0: as many as it needs. Simulators of the
-  /// user's may be slow: for them it costs what the simulations of one experiment do.
-  Index num_floor_evaluations() const;
 };
 
 /// Makes the artefact of a stage (pipeline/stages/stages.h); of a simulation the shards with these

@@ -32,6 +32,9 @@ Json inference_json(const MethodConfig& method) {
   const bool is_corrected = inference::is_analytic(method.algorithm, method.density_estimator.kind);
   if (is_corrected) json["correction_version"] = correction_version;
   if (method.algorithm.kind == inference::Algorithm::npe_nle) json["pool_version"] = pool_version;
+  if (family_of(method) == inference::AlgorithmFamily::likelihood) {
+    json["refinement_version"] = kRefinementCheckpointSchema.version;
+  }
   return json;
 }
 
@@ -114,6 +117,9 @@ Plan PlanBuilder::build() {
   }
   for (const std::uint64_t seed : plan_.study.seeds) {
     if (!is_among(selection_.seeds, seed)) continue;
+    // The first answer: what is ready is started in the order of the nodes.
+    const MethodConfig* fit = plan_.study.floor_method();
+    if (fit && is_among(selection_.methods, fit->name)) add_rounds(*fit, {fit->name, seed}, target);
     for (const MethodConfig& method : plan_.study.methods) {
       if (!is_among(selection_.methods, method.name)) continue;
       add_experiment(method, seed, target);
@@ -142,12 +148,15 @@ PlanBuilder::Inputs PlanBuilder::add_judgment(std::size_t target, Position held_
 
 std::size_t PlanBuilder::add_baseline(std::size_t target) {
   Json json = key_document(kBaselineSchema);
-  const Inputs inputs = add_judgment(target, held_out_, json);
+  Inputs inputs = add_judgment(target, held_out_, json);
   if (plan_.study.source().simulates) json["num_samples"] = plan_.study.evaluate.num_samples;
   describe_scoring(plan_.study, json);
   json["prior"] = to_json(plan_.study.prior);
   if (plan_.study.target.recording) json["floor"] = plan_.study.evaluate.floor;
-  if (plan_.num_floor_evaluations() > 0) json["floor_evaluations"] = plan_.num_floor_evaluations();
+  if (const MethodConfig* fit = plan_.study.floor_method()) {
+    const Rounds rounds = add_rounds(*fit, {fit->name, plan_.study.seeds.front()}, target);
+    inputs.push_back({"posterior", rounds.posteriors.back()});
+  }
   return add(Stage::baseline, json, {}, inputs);
 }
 
@@ -189,9 +198,10 @@ void PlanBuilder::add_folds(const MethodConfig& method, std::uint64_t seed) {
 PlanBuilder::Rounds PlanBuilder::add_rounds(const MethodConfig& method, Use use,
                                             std::size_t target) {
   Rounds rounds;
-  if (family_of(method) == inference::AlgorithmFamily::likelihood) {
+  using enum inference::AlgorithmFamily;
+  if (family_of(method) == likelihood || family_of(method) == fit) {
     use.round = 1;
-    rounds.posteriors.push_back(add_refinement(method, use, target));
+    rounds.posteriors.push_back(add_fit(method, use, target));
     return rounds;
   }
   for (use.round = 1; use.round <= method.algorithm.num_rounds; ++use.round) {
@@ -275,11 +285,9 @@ std::size_t PlanBuilder::add_inference(const MethodConfig& method, const Use& us
   return add(Stage::infer, json, use, inputs);
 }
 
-std::size_t PlanBuilder::add_refinement(const MethodConfig& method, const Use& use,
-                                        std::size_t target) {
+std::size_t PlanBuilder::add_fit(const MethodConfig& method, const Use& use, std::size_t target) {
   Json json = key_document(kPosteriorSchema);
   json.update(inference_json(method));
-  json["refinement_version"] = kRefinementCheckpointSchema.version;
   json["simulator"] = keys_.rows;
   json["prior"] = to_json(plan_.study.prior);
   json["observation_noise"] = key_json(plan_.study.observation_noise);

@@ -59,7 +59,7 @@ class PlanBuilder {
   std::size_t add_inference(const MethodConfig& method, const Use& use, std::size_t target,
                             const Positions& simulations, const Positions& posteriors);
   /// The posterior under the noise's likelihood, from that of another method or the prior.
-  std::size_t add_refinement(const MethodConfig& method, const Use& use, std::size_t target);
+  std::size_t add_fit(const MethodConfig& method, const Use& use, std::size_t target);
   Position add_held_out();
   /// Notes down in `json` what a judgment depends on, and returns its inputs.
   Inputs add_judgment(std::size_t target, Position held_out, nlohmann::ordered_json& json) const;

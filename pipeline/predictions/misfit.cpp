@@ -87,14 +87,14 @@ bool draws_at_random(const analysis::Replay& replay, const Observation& observat
   return false;
 }
 
-// Segments that a fit begins with; 1 where the simulator has none.
-Index parts_of(const Plan& plan) {
-  if (!plan.study.source().is_built_in) return analysis::kFitParts;
-  const auto unused = sim::unused_settings(plan.study.simulator.name);
-  return std::ranges::count(unused, "segment_length") > 0 ? 1 : analysis::kFitParts;
-}
-
 }  // namespace
+
+bool can_cut_rollouts(const Plan& plan) {
+  const SourceTraits& source = plan.study.source();
+  if (!source.is_built_in) return true;
+  const auto unused = sim::unused_settings(plan.study.simulator.name);
+  return std::ranges::count(unused, "segment_length") == 0;
+}
 
 std::optional<RecordingMisfit> find_misfit(const Plan& plan, const Observation& observation,
                                            const Vector& theta, const std::filesystem::path& log) {
@@ -132,7 +132,7 @@ std::optional<RecordingMisfit> find_misfit(const Plan& plan, const Observation& 
                                      noise.sigma,
                                      simulator.store_every,
                                      simulator.segment_length,
-                                     parts_of(plan)};
+                                     can_cut_rollouts(plan) ? analysis::kFitParts : 1};
   const analysis::Fit fit = analysis::fit(problem, recording, theta);
   if (fit.errors.size() == 0) return std::nullopt;
   RecordingMisfit found{analysis::misfit(fit.errors, draw_errors(observation.noise(), noise),

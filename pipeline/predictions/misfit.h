@@ -18,6 +18,9 @@ inline constexpr double kMostOfGivenNoise = 1.15;
 inline constexpr double kMostOfCorrelatedNoise = 2.0;
 inline constexpr double kMostOfScatter = 4.0;
 
+/// Whether the study's simulator can begin in the middle of a rollout.
+bool can_cut_rollouts(const Plan& plan);
+
 /// Fits `observation`, a recording, from `theta` (D) of the prior. Noise whose scale isn't given is
 /// what each channel scatters by (analysis/scatter.h), but no less than a thousandth of its largest
 /// magnitude. Above the limits it is told what change of the recording would explain the misfit,

@@ -1,8 +1,6 @@
 #include <algorithm>
 
-#include "analysis/floor.h"
 #include "core/feature_names.h"
-#include "core/stop_request.h"
 #include "pipeline/artefacts/evaluation_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
@@ -10,7 +8,6 @@
 #include "pipeline/predictions/misfit.h"
 #include "pipeline/predictions/prediction.h"
 #include "pipeline/predictions/scores.h"
-#include "pipeline/process/progress.h"
 #include "pipeline/stages/stages.h"
 
 namespace npdr::pipeline {
@@ -55,40 +52,6 @@ PriorPredictions predict_by_prior(const Plan& plan, const Judge& judge) {
   return predictions;
 }
 
-// A search that costs as much as the simulations of one experiment, where the plan has a budget.
-analysis::FloorConfig floor_config(Index num_evaluations) {
-  analysis::FloorConfig config;
-  if (num_evaluations == 0) return config;
-  constexpr Index local_parts = 5;  // one for each of the two local searches
-  config.num_restarts = 1;
-  config.population = 64;
-  config.max_local_evaluations = std::max<Index>(1, num_evaluations / local_parts);
-  const Index global = num_evaluations - 2 * config.max_local_evaluations;
-  config.max_generations = std::max<Index>(1, global / config.population);
-  return config;
-}
-
-BaselinePoint find_floor(const Plan& plan, const Node& node, const Judge& judge) {
-  const ParameterMap& parameters = plan.source->parameters();
-  const SearchBox box = search_box(plan.study.prior, plan.source->info());
-  const Vector nominal = parameters.pick_one(parameters.nominal());
-  const Vector middle = 0.5 * (box.lower + box.upper);  // where there are no nominal values
-  const Vector start =
-      nominal.array().isFinite().select(nominal, middle).cwiseMax(box.lower).cwiseMin(box.upper);
-  Progress progress(node.label() + ", floor evaluations", 0);
-  Index num_evaluations = 0;
-  const auto objective = [&](const RowMatrix& theta) {
-    stop_here_if_requested();
-    num_evaluations += theta.rows();
-    progress.update(num_evaluations);
-    return judge.seen().rmse(theta);
-  };
-  const analysis::FloorResult floor =
-      analysis::find_floor(objective, box.lower, box.upper, start.transpose(),
-                           floor_config(plan.num_floor_evaluations()));
-  return measure(plan, judge, "floor", parameters.complete(floor.theta.transpose()).transpose(), 0);
-}
-
 // Simulates the posterior's samples.
 void predict(const Plan& plan, const Node& node, const Judge& judge, const StreamId& first,
              Evaluation& evaluation) {
@@ -130,8 +93,10 @@ void run<Stage::baseline>(const Plan& plan, const Node& node, const std::vector<
   }
   if (const auto& truth = plan.study.target.truth) {
     add("truth", *truth);
-  } else if (plan.study.evaluate.floor) {
-    points.push_back(find_floor(plan, node, judge));
+  } else if (const Node* fit = plan.find_input(node, "posterior")) {
+    const RowMatrix best = read_posterior(*fit)->map({}).transpose();
+    const Vector complete = plan.source->parameters().complete(best).row(0).transpose();
+    points.push_back(measure(plan, judge, "floor", complete, 0));
     const std::filesystem::path log = log_of(node.path);
     baseline.misfit = find_misfit(plan, judge.seen().observation(), points.back().theta,
                                   log.parent_path() / (log.stem().string() + "-fit.log"));

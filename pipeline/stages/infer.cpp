@@ -123,6 +123,9 @@ void run<Stage::infer>(const Plan& plan, const Node& node, const std::vector<Ind
     case inference::AlgorithmFamily::regression:
       infer_regression(plan, node, writer.file());
       break;
+    case inference::AlgorithmFamily::fit:
+      infer_least_squares(plan, node, writer.file());
+      break;
     case inference::AlgorithmFamily::likelihood:
       infer_refined(plan, node, writer);
       break;

@@ -25,6 +25,9 @@ void infer_abc(const Plan& plan, const Node& node, h5::File& file);
 /// The posterior of the parameters that the equations of motion identify from the target alone.
 void infer_regression(const Plan& plan, const Node& node, h5::File& file);
 
+/// The posterior by the curvature of a robust least-squares fit, from simulations that it asks for.
+void infer_least_squares(const Plan& plan, const Node& node, h5::File& file);
+
 /// The posterior under the likelihood of the observation noise, from that of another method or the
 /// prior. Goes on from a checkpoint.
 void infer_refined(const Plan& plan, const Node& node, ArtefactWriter& writer);
