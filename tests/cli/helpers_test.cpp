@@ -185,7 +185,8 @@ class HelpersOfFirstStates : public Helpers {
                      .method("Refined", {"algorithm = \"refine\"",
                                          "refine = { level_size = 1000, min_ess = 200, "
                                          "infer_first_states = true }"})
-                     .with("cluster", {"refine_tasks = 1"}));
+                     .with("cluster", {"refine_tasks = 1"})
+                     .with("evaluate", {"floor = false"}));
   }
 
   static Target recorded() {

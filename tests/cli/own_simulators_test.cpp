@@ -111,7 +111,15 @@ def simulate(theta, first_state, actions, dt, rng):
     return rng.normal(size=(len(actions), 2))
 npdr_worker.serve(simulate)
 )py");
-  for (const std::string program : {"batch", "single"}) {
+  folder_.file("segments.py", R"py(
+import numpy as np
+import npdr_worker
+def simulate(theta, first_state, actions, dt, seeds):
+    assert first_state.shape == (len(seeds), 2) and actions.shape[0] == len(theta["mass"])
+    return np.array([np.random.default_rng(s).normal(size=(actions.shape[1], 2)) for s in seeds])
+npdr_worker.serve(simulate, batch="segments")
+)py");
+  for (const std::string program : {"batch", "single", "segments"}) {
     npdr(0, words(setting(program + ".py"),
                   {"--work", program, "--set", "simulator.segment_length=125"}));
     auto x = trajectories("spring-worker", program);
@@ -121,6 +129,8 @@ npdr_worker.serve(simulate)
     // About 1 in 1000 of 105,000 floats near 0 meets another by chance.
     EXPECT_GT(static_cast<double>(x.size()), 0.99 * static_cast<double>(count)) << program;
   }
+  // Segments at once have the seeds that they have one by one.
+  EXPECT_EQ(trajectories("spring-worker", "batch"), trajectories("spring-worker", "segments"));
 }
 
 // Modules that mustn't be asked for an attribute, or that have no file, are none of them.

@@ -22,9 +22,21 @@ A function that simulates all rows at once, in numpy or on a GPU, is faster:
 
     npdr_worker.serve(simulate, batch=True)
 
+One that takes all rollouts and segments as well, which are rows for it, is faster still:
+
+    def simulate(theta, first_state, actions, dt, seeds):
+        mass = theta["mass"]    # (rows,); first_state (rows, states), actions (rows, steps, actions)
+        return states           # (rows, steps, number of state channels)
+
+    npdr_worker.serve(simulate, batch="segments")
+
+A simulator with memory, such as a delay, may have an argument past_actions more: the actions of the
+same rollout before the segment, (steps before it, actions); not with batch="segments".
+
 A result must depend on nothing but these arguments. The protocol is in docs/worker-protocol.md.
 """
 
+import inspect
 import json
 import os
 import sys
@@ -44,7 +56,12 @@ os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
 
 
 def serve(simulate, batch=False):
-    """Answers npdr's requests until there are no more."""
+    """Answers npdr's requests until there are no more. batch: False, True or "segments"."""
+    if batch not in (False, True, "segments"):
+        sys.exit("npdr_worker: batch = %r, must be False, True or 'segments'" % (batch,))
+    wants_past = "past_actions" in inspect.signature(simulate).parameters
+    if wants_past and batch == "segments":
+        sys.exit("npdr_worker: past_actions has another length in each segment; use batch=True")
     if _requests.isatty():
         sys.exit("npdr_worker: started by hand; a study names this program: "
                  'simulator.worker = "python3 %s"' % os.path.basename(sys.argv[0]))
@@ -61,7 +78,11 @@ def serve(simulate, batch=False):
             continue
         arrays = {a["name"]: _read_array(a) for a in header["arrays"]}
         try:
-            states, status, message = _replay(simulate, batch, header, arrays)
+            if batch == "segments":
+                states = _replay_at_once(simulate, header, arrays)
+                status, message = np.full(len(states), OK, np.uint8), ""
+            else:
+                states, status, message = _replay(simulate, batch, wants_past, header, arrays)
             said = {"message": message} if message else {}
             _write({"reply": "states", "shape": list(states.shape), **said}, states, status)
         except Exception:  # of the whole request; rows have theirs caught one by one
@@ -112,7 +133,26 @@ def _last_line():
     return "%s: %s" % (kind.__name__, error)
 
 
-def _replay(simulate, batch, header, arrays):
+def _replay_at_once(simulate, header, arrays):
+    """States of all rows; segments of the same length are rows of one call."""
+    theta, lengths = arrays["theta"], arrays["steps"]
+    rows, channels = len(theta), len(header["states"])
+    begins = np.cumsum(lengths) - lengths
+    states = np.empty((rows, int(lengths.sum()), channels))
+    for length in np.unique(lengths).tolist():
+        segments = np.flatnonzero(lengths == length)
+        steps = begins[segments, None] + np.arange(length)  # (segments, length)
+        seeds = np.stack([_seeds_of(arrays["seeds"], int(s)) for s in segments], axis=1)
+        columns = np.repeat(theta, len(segments), axis=0).T.copy()
+        part = simulate(_Parameters(zip(header["parameters"], columns)),
+                        np.tile(arrays["first_states"][segments], (rows, 1)),
+                        np.tile(arrays["actions"][steps], (rows, 1, 1)), header["dt"], seeds.ravel())
+        part = _checked(part, (rows * len(segments), length, channels))
+        states[:, steps] = part.reshape(rows, len(segments), length, channels)
+    return states
+
+
+def _replay(simulate, batch, wants_past, header, arrays):
     rows, steps = len(arrays["theta"]), int(arrays["steps"].sum())
     states = np.empty((rows, steps, len(header["states"])))
     status = np.full(rows, OK, np.uint8)
@@ -120,11 +160,13 @@ def _replay(simulate, batch, header, arrays):
     ends = np.cumsum(arrays["steps"]).tolist()
     for segment, (begin, end) in enumerate(zip([0] + ends, ends)):
         first_state, actions = arrays["first_states"][segment], arrays["actions"][begin:end]
+        past = arrays["actions"][begin - int(arrays["past"][segment]):begin]
+        more = {"past_actions": past.copy()} if wants_past else {}
         if batch:
             columns = _Parameters(zip(header["parameters"], arrays["theta"].T.copy()))
             shape = (rows, len(actions), len(header["states"]))
             part = _checked(simulate(columns, first_state, actions, header["dt"],
-                                     _seeds_of(arrays["seeds"], segment)), shape)
+                                     _seeds_of(arrays["seeds"], segment), **more), shape)
             if shape[1] == steps:
                 return part, status, message
             states[:, begin:end] = part
@@ -133,7 +175,8 @@ def _replay(simulate, batch, header, arrays):
             theta = _Parameters(zip(header["parameters"], arrays["theta"][row].tolist()))
             rng = _seeded(arrays["seeds"][row], segment)
             try:
-                result = simulate(theta, first_state.copy(), actions.copy(), header["dt"], rng)
+                result = simulate(theta, first_state.copy(), actions.copy(), header["dt"], rng,
+                                  **more)
                 states[row, begin:end] = _checked(result, states[row, begin:end].shape)
             except Exception:
                 if not message:
