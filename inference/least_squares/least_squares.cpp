@@ -105,8 +105,11 @@ class Problem {
     });
     for_each_moved({&search}, -1.0, [&](std::size_t, Index d, const RowMatrix& errors) {
       const RowMatrix& other = above[static_cast<std::size_t>(d)];
-      if (errors.size() == 0 || other.size() == 0) return;
-      slopes.col(d) = (other - errors).reshaped<Eigen::RowMajor>() / (2.0 * search.moves(d));
+      const double moves = (errors.size() > 0 ? 1.0 : 0.0) + (other.size() > 0 ? 1.0 : 0.0);
+      if (moves == 0.0) return;
+      const RowMatrix& high = other.size() > 0 ? other : search.at.errors;
+      const RowMatrix& low = errors.size() > 0 ? errors : search.at.errors;
+      slopes.col(d) = (high - low).reshaped<Eigen::RowMajor>() / (moves * search.moves(d));
     });
     return slopes;
   }
@@ -278,7 +281,7 @@ RowMatrix kept_by(const RowMatrix& a, const Vector& of_rounding) {
   const Vector root = of_rounding.cwiseSqrt();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(root.cwiseInverse().asDiagonal() * a *
                                                              root.cwiseInverse().asDiagonal());
-  const Vector shares = (1.0 - least / parts.eigenvalues().array().max(1e-300)).max(0.0);
+  const Vector shares = (1.0 - least / parts.eigenvalues().array().max(1e-300)).max(0.0).sqrt();
   return root.asDiagonal() * parts.eigenvectors() * shares.asDiagonal() *
          parts.eigenvectors().transpose() * root.cwiseInverse().asDiagonal();
 }
@@ -287,7 +290,6 @@ RowMatrix kept_by(const RowMatrix& a, const Vector& of_rounding) {
 Curved curved(Problem& problem, Search& search) {
   const StudentErrors& noise = problem.of().noise;
   const Point& at = search.at;
-  const Index dimension = at.u.size();
   const RowMatrix slopes = problem.central_slopes(search);
   const Vector curvatures = noise.curvatures(at.errors, at.scales);
   // Errors far out say little, also where simulations are sensitive.
@@ -310,8 +312,12 @@ Curved curved(Problem& problem, Search& search) {
                          Eigen::MatrixXd(root.matrixL()) * a_white;
   RowMatrix precision = half * b.ldlt().solve(half.transpose());
   precision.diagonal().array() += 1.0;
-  found.minimum = {at.u, at.cost, at.scales,
-                   precision.ldlt().solve(RowMatrix::Identity(dimension, dimension))};
+  constexpr double most = 1e14;  // of a precision: its inverse can still be factored
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(precision);
+  const Vector variances = parts.eigenvalues().cwiseMax(1.0).cwiseMin(most).cwiseInverse();
+  found.minimum = {
+      at.u, at.cost, at.scales,
+      parts.eigenvectors() * variances.asDiagonal() * parts.eigenvectors().transpose()};
   return found;
 }
 
@@ -351,8 +357,8 @@ RowMatrix best_rows(Problem& problem, const RowMatrix& u, Index count) {
   return u(rows, Eigen::all);
 }
 
-// From each start to its minimum.
-std::vector<Minimum> descend(Problem& problem, const RowMatrix& starts, Index max_steps) {
+// From each start to its minimum, the best first.
+std::vector<Search> descend(Problem& problem, const RowMatrix& starts, Index max_steps) {
   std::vector<Search> searches;
   for (Point& point : problem.points(starts, [](Index) { return Vector(); })) {
     if (point.cost == kInfinity) continue;
@@ -372,6 +378,11 @@ std::vector<Minimum> descend(Problem& problem, const RowMatrix& starts, Index ma
     advance(problem, moving);
   }
   merge(searches);
+  return searches;
+}
+
+// With covariances and weights.
+std::vector<Minimum> minima_of(Problem& problem, std::vector<Search> searches) {
   std::vector<Curved> all;
   for (Search& search : searches) all.push_back(curved(problem, search));
   if (!all.empty()) weigh(all);
@@ -395,7 +406,14 @@ LeastSquaresFit least_squares(const LeastSquaresProblem& of, const RowMatrix& ca
   Problem problem(of, config.max_simulations);
   LeastSquaresFit fit;
   const RowMatrix first = best_rows(problem, candidates, config.num_starts);
-  fit.minima = descend(problem, stacked(first, starts), config.max_steps);
+  std::vector<Search> searches = descend(problem, stacked(first, starts), config.max_steps);
+  if (max_rounds > 0) {
+    fit.minima = minima_of(problem, std::move(searches));
+  } else {
+    for (const Search& each : searches) {
+      fit.minima.push_back({each.at.u, each.at.cost, each.at.scales, {}});
+    }
+  }
   for (Index round = 1; round < max_rounds && !fit.minima.empty() && problem.may_go_on(); ++round) {
     const double before = fit.minima.front().cost;
     LeastSquaresFit wider = fit;
@@ -404,7 +422,8 @@ LeastSquaresFit least_squares(const LeastSquaresProblem& of, const RowMatrix& ca
     of_round.epoch = static_cast<std::uint64_t>(round);
     const RowMatrix near =
         best_rows(problem, wider.sample(candidates.rows(), of_round), config.num_starts);
-    std::vector<Minimum> next = descend(problem, stacked(near, minima_of(fit)), config.max_steps);
+    std::vector<Minimum> next =
+        minima_of(problem, descend(problem, stacked(near, minima_of(fit)), config.max_steps));
     if (next.empty() || next.front().cost > before)
       break;  // as of a simulator that draws at random
     fit.minima = std::move(next);

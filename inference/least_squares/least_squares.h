@@ -66,8 +66,8 @@ struct LeastSquaresFit {
 
 /// The minima that the best of `candidates` (n, D) and `starts` (k, D) lead to. Then draws of the
 /// posterior, twice as wide, are the candidates, as long as these lead to a minimum that is better
-/// by a nat or more, in at most `max_rounds` rounds. Stops soon after `max_simulations`. Throws
-/// what `errors` throws.
+/// by a nat or more, in at most `max_rounds` rounds; 0: minima have neither covariance nor weight.
+/// Stops soon after `max_simulations`. Throws what `errors` throws.
 LeastSquaresFit least_squares(const LeastSquaresProblem& problem, const RowMatrix& candidates,
                               const RowMatrix& starts, const LeastSquaresConfig& config,
                               Index max_rounds, const StreamId& id);

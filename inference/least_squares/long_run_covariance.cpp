@@ -6,8 +6,8 @@
 namespace npdr::inference {
 
 Index num_lags(const RowMatrix& g, Index num_series) {
-  constexpr double most = 0.97;  // of a correlation: all lags count long before
   const Index steps = g.rows() / num_series;
+  const double most = 1.0 - 1.0 / static_cast<double>(steps + 1);  // of a correlation
   double top = 0.0, bottom = 0.0;
   for (Index d = 0; d < g.cols(); ++d) {
     double covariance = 0.0, variance = 0.0;

@@ -15,7 +15,7 @@
 namespace npdr::inference {
 
 struct StudentErrors {
-  double degrees_of_freedom = 4.0;  ///< nu; Gaussian errors: 87 % as efficient
+  double degrees_of_freedom = 4.0;  ///< nu; Gaussian errors: 89 % as efficient
   Vector smallest_scales;           ///< (C) > 0: no channel is fitted better than that
 
   Index num_channels() const { return smallest_scales.size(); }

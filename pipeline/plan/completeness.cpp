@@ -70,8 +70,17 @@ std::vector<UsedNode> last_nodes_of_method(const Plan& plan, Stage stage,
                                            const std::vector<std::string>& methods) {
   std::vector<UsedNode> found = last_nodes(plan, stage, methods);
   std::vector<std::string> names;
-  for (const auto& [node, use] : found) {
-    if (std::ranges::count(names, use.method) == 0) names.push_back(use.method);
+  const auto note_names = [&] {
+    names.clear();
+    for (const auto& [node, use] : found) {
+      if (std::ranges::count(names, use.method) == 0) names.push_back(use.method);
+    }
+  };
+  note_names();
+  // The fit that a study has by itself is meant only where nothing else is there.
+  if (const MethodConfig* fit = plan.study.floor_method(); fit && names.size() == 2) {
+    std::erase_if(found, [&](const UsedNode& each) { return each.use.method == fit->name; });
+    note_names();
   }
   if (names.size() != 1) {
     throw InputError(

@@ -164,6 +164,12 @@ bool is_refinement(const Plan& plan, const Node& node) {
          inference::AlgorithmFamily::likelihood;
 }
 
+bool simulates(const Plan& plan, const Node& node) {
+  if (node.stage != Stage::infer) return false;
+  const MethodConfig& method = plan.study.method(node.uses.front().method);
+  return is_refinement(plan, node) || family_of(method) == inference::AlgorithmFamily::fit;
+}
+
 Index num_rollouts_seen(const MethodConfig& method, const Use& use) {
   return method.num_rollouts * std::max<Index>(1, use.iteration);
 }

@@ -161,6 +161,8 @@ bool is_calibration(const Node& node);
 
 /// Whether a node is a posterior that simulates by itself: a refinement.
 bool is_refinement(const Plan& plan, const Node& node);
+/// Whether the node infers from simulations that it asks for itself.
+bool simulates(const Plan& plan, const Node& node);
 
 /// The simulations of a node's round.
 Index num_rows(const Plan& plan, const Node& node);

@@ -153,7 +153,7 @@ void Scheduler::start_ready_jobs() {
   for (std::size_t r = 0; r < ready.size() && free_slots_ > 0; ++r) {
     const int share = std::max(1, free_slots_ / static_cast<int>(ready.size() - r));
     const Node& node = plan_.nodes[ready[r]];
-    const bool uses_threads = traits_of(node.stage).uses_threads || is_refinement(plan_, node);
+    const bool uses_threads = traits_of(node.stage).uses_threads || simulates(plan_, node);
     start(ready[r], uses_threads ? share : 1);
   }
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/number_text.h"
+#include "core/constants.h"
 #include "core/error.h"
 #include "core/stop_request.h"
 #include "core/text.h"
@@ -51,20 +52,22 @@ class Errors {
   // No channel is fitted better than its sensor's noise, where that is given.
   inference::StudentErrors noise() const {
     constexpr double least = 1e-3;
+    constexpr double of_deviation = 0.83;  // the scale of Student's t that Gaussian noise has
     const sim::NoiseModel& model = observation_.noise();
     const RowMatrix given = model.relative_size().cwiseProduct(model.measure());
     Vector scales = Vector::Constant(units_.size(), least);
     for (Index c = 0; c < scales.size(); ++c) {
       if (model.channels()[static_cast<std::size_t>(c)].scale.is_unknown()) continue;
-      const double sigma =
-          given.col(c).norm() / std::sqrt(static_cast<double>(given.rows())) / units_(c);
+      const double sigma = of_deviation * given.col(c).norm() /
+                           std::sqrt(static_cast<double>(given.rows())) / units_(c);
       scales(c) = std::max(least, sigma);
     }
     return {.smallest_scales = scales};
   }
 
-  // Of simulations, which are kept as float.
-  Vector rounding() const {
+  // Deviation by what two simulations of the same parameters differ by: rounding to float, and
+  // random numbers that a simulator draws.
+  Vector rounding() {
     constexpr double of_float = 3.4e-8;  // deviation of uniform errors up to 2^-24
     const std::vector<float>& states = observation_.states();
     Vector squares = Vector::Zero(units_.size());
@@ -73,7 +76,16 @@ class Errors {
       squares(j % units_.size()) += state * state;
     }
     const double length = static_cast<double>(states.size()) / static_cast<double>(units_.size());
-    return of_float * (squares / length).cwiseSqrt().cwiseQuotient(units_.transpose());
+    const Vector rounded =
+        of_float * (squares / length).cwiseSqrt().cwiseQuotient(units_.transpose());
+    if (!plan_.study.source().takes_seeds) return rounded;
+    const RowMatrixF twice = of(RowMatrix::Zero(2, prior_.dimension()));
+    if (!twice.allFinite()) return rounded;
+    Vector differences = Vector::Zero(units_.size());
+    for (Index j = 0; j < twice.cols(); ++j) {
+      differences(j % units_.size()) += std::pow(twice(0, j) - twice(1, j), 2);
+    }
+    return rounded.cwiseMax((0.5 / length * differences).cwiseSqrt());
   }
 
   // [steps] of the segments that fits are made in, each twice as long as the one before; at last 0:
@@ -83,7 +95,8 @@ class Errors {
     const Index every = simulator.store_every, steps = observation_.target().num_steps();
     const Index part = analysis::kFitParts * every;
     const Index first = (steps + part - 1) / part * every;
-    const Index longest = simulator.segment_length > 0 ? simulator.segment_length : steps;
+    const Index longest =
+        simulator.segment_length > 0 ? std::min(simulator.segment_length, steps) : steps;
     std::vector<Index> lengths;
     for (Index length = first; can_cut_rollouts(plan_) && 2 * length <= longest; length *= 2) {
       if (length >= 2 * every) lengths.push_back(length);
@@ -94,7 +107,8 @@ class Errors {
 
   inference::ErrorsOf in_segments(Index length) {
     RowsConfig rows{plan_.study.simulator, observation_.target(), log_};
-    if (length > 0) rows.simulator.segment_length = length;
+    has_own_segments_ = length > 0;
+    if (has_own_segments_) rows.simulator.segment_length = length;
     simulator_ = plan_.source->open(rows);
     return [this](const RowMatrix& u) { return of(u); };
   }
@@ -102,15 +116,27 @@ class Errors {
   std::string last_failure() const { return simulator_->last_failure(); }
 
  private:
+  // Rows of NaN where a program refuses segments that the study doesn't ask for.
+  RowMatrixF simulate(const RowMatrix& u) {
+    const RowMatrix theta = plan_.source->parameters().complete(prior_.to_theta(u));
+    const Index size = std::ssize(observation_.states());
+    try {
+      const sim::Trajectories rows = simulator_->simulate(theta, row_after(id_, num_rows_));
+      return Eigen::Map<const RowMatrixF>(rows.values.data(), u.rows(), size);
+    } catch (const Checkpointed&) {
+      throw;
+    } catch (const Error&) {
+      if (!has_own_segments_) throw;
+      return RowMatrix::Constant(u.rows(), size, kNaN).cast<float>();
+    }
+  }
+
   RowMatrixF of(const RowMatrix& u) {
     stop_here_if_requested();
-    const RowMatrix theta = plan_.source->parameters().complete(prior_.to_theta(u));
-    const sim::Trajectories rows = simulator_->simulate(theta, row_after(id_, num_rows_));
+    RowMatrixF errors = simulate(u);
     num_rows_ += u.rows();
     progress_.update(num_rows_);
     const std::vector<float>& observed = observation_.states();
-    RowMatrixF errors =
-        Eigen::Map<const RowMatrixF>(rows.values.data(), u.rows(), std::ssize(observed));
     for (Index j = 0; j < errors.cols(); ++j) {
       const auto unit = static_cast<float>(units_(j % units_.size()));
       errors.col(j) = (observed[static_cast<std::size_t>(j)] - errors.col(j).array()) / unit;
@@ -126,6 +152,7 @@ class Errors {
   Progress progress_;
   Eigen::RowVectorXd units_;  // (C)
   std::unique_ptr<RowSimulator> simulator_;
+  bool has_own_segments_ = false;
   Index num_rows_ = 0;
 };
 
@@ -150,7 +177,7 @@ inference::LeastSquaresFit find_fit(Errors& errors, const inference::LeastSquare
     const inference::LeastSquaresProblem problem{of, errors.num_rollouts(), errors.noise(),
                                                  errors.rounding()};
     fit = inference::least_squares(problem, is_known ? RowMatrix(0, starts.cols()) : candidates,
-                                   starts, some, is_last ? kMostRounds : 1, errors.id("rounds"));
+                                   starts, some, is_last ? kMostRounds : 0, errors.id("rounds"));
     counts.failed += fit.num_failed;
     counts.used += fit.num_rows - fit.num_failed;
     if (!fit.minima.empty()) starts = inference::minima_of(fit);
@@ -159,7 +186,8 @@ inference::LeastSquaresFit find_fit(Errors& errors, const inference::LeastSquare
 }
 
 // The first answer of a run.
-void tell(const Node& node, const inference::Prior& prior, const RowMatrix& theta) {
+void tell(const Node& node, const inference::Prior& prior, const Vector& best,
+          const RowMatrix& theta) {
   constexpr Index most = 8;
   std::vector<std::string> values;
   for (Index d = 0; d < std::min(most, theta.cols()); ++d) {
@@ -170,7 +198,8 @@ void tell(const Node& node, const inference::Prior& prior, const RowMatrix& thet
         std::sqrt((column.array() - mean).square().sum() / static_cast<double>(column.size() - 1));
     const std::string unit = marginal.unit.empty() ? "" : " " + marginal.unit;
     values.push_back(marginal.name + " = " +
-                     analysis::mean_std_text(mean, deviation, analysis::NumberStyle::plain) + unit);
+                     analysis::mean_std_text(best(d), deviation, analysis::NumberStyle::plain) +
+                     unit);
   }
   if (theta.cols() > most) values.push_back(fmt::format("and {} more", theta.cols() - most));
   report_error(node.label(), "best fit: " + join(values));
@@ -185,9 +214,9 @@ void infer_least_squares(const Plan& plan, const Node& node, h5::File& file) {
   const inference::LeastSquaresFit fit = find_fit(errors, method.least_squares, counts);
   if (fit.minima.empty()) {
     const std::string why = errors.last_failure();
-    throw FailedRolloutsError(fmt::format(
-        "{}: none of {} draws of the prior can be simulated: {}{}", node.label(), counts.failed,
-        plan.study.source().advice, why.empty() ? "" : "; for example: " + why));
+    throw FailedRolloutsError(fmt::format("{}: no draw of the prior can be simulated: {}{}",
+                                          node.label(), plan.study.source().advice,
+                                          why.empty() ? "" : "; for example: " + why));
   }
   if (!fit.converged) {
     report_warning(node.label(),
@@ -197,13 +226,15 @@ void infer_least_squares(const Plan& plan, const Node& node, h5::File& file) {
   }
   const inference::Prior& prior = errors.prior();
   const RowMatrix theta = prior.to_theta(fit.sample(kNumParticles, errors.id("samples")));
-  const RowMatrix best = fit.minima.front().u.transpose();
-  if (node.uses.front().seed == plan.study.seeds.front()) tell(node, prior, theta);
+  const RowMatrix best_u = fit.minima.front().u.transpose();
+  const Vector best = prior.to_theta(best_u).row(0).transpose();
+  const Use& use = node.uses.front();
+  if (use.seed == plan.study.seeds.front() && use.fold == 0) tell(node, prior, best, theta);
   write_particles(file, name_of(method.algorithm.kind),
                   {.prior = prior,
                    .theta = theta,
                    .weights = Vector::Constant(kNumParticles, 1.0 / kNumParticles),
-                   .mode = prior.to_theta(best).row(0).transpose()},
+                   .mode = best},
                   counts);
 }
 

@@ -59,7 +59,10 @@ def serve(simulate, batch=False):
     """Answers npdr's requests until there are no more. batch: False, True or "segments"."""
     if batch not in (False, True, "segments"):
         sys.exit("npdr_worker: batch = %r, must be False, True or 'segments'" % (batch,))
-    wants_past = "past_actions" in inspect.signature(simulate).parameters
+    try:
+        wants_past = "past_actions" in inspect.signature(simulate).parameters
+    except (TypeError, ValueError):  # built in, and of some extensions
+        wants_past = False
     if wants_past and batch == "segments":
         sys.exit("npdr_worker: past_actions has another length in each segment; use batch=True")
     if _requests.isatty():
