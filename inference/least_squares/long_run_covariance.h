@@ -5,7 +5,8 @@
 ///   Cov(sum g) = c^2 sum over series, t, s of max(0, 1 - |t - s| / L) g_t g_s^T.
 /// The sum is too small where few stretches of L steps are there. With b = L / (H K) and
 ///   c = 1 + 1.3289 b + 0.1910 b^2 - 0.2083 b^3
-/// 90 % intervals hold what they should (Kiefer and Vogelsang 2005, table 1, Bartlett).
+/// 90 % intervals of one series hold .90 (Kiefer and Vogelsang 2005, table 1, Bartlett); several
+/// series count as one of H K steps.
 #pragma once
 
 #include "core/types.h"

@@ -8,8 +8,6 @@
 /// An error far beyond the scale hardly moves the minimum; a channel counts by what is left of it.
 #pragma once
 
-#include <span>
-
 #include "core/types.h"
 
 namespace npdr::inference {

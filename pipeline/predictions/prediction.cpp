@@ -50,11 +50,6 @@ std::map<std::string, Vector> Predictor::measure(const sim::Trajectories& trajec
   return values;
 }
 
-Vector Predictor::rmse(const RowMatrix& theta) const {
-  const sim::Trajectories trajectories = simulate(plan_.source->parameters().complete(theta));
-  return metrics().rmse(view_of(trajectories));
-}
-
 Judge::Judge(const Plan& plan, const Node& node)
     : seen_(plan, read_target(plan, node), log_of(node.path)) {
   if (plan.study.source().predicts_features()) {

@@ -39,9 +39,6 @@ class Predictor {
   /// The study's metrics of what was simulated by name, (n) each; NaN where a row failed.
   std::map<std::string, Vector> measure(const sim::Trajectories& trajectories) const;
 
-  /// RMSE of each row of theta (n, D), (n); NaN where it failed.
-  Vector rmse(const RowMatrix& theta) const;
-
  private:
   analysis::Metrics metrics() const {
     return analysis::Metrics(target(), {.segment_length = plan_.study.simulator.segment_length});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "analysis/number_text.h"
+#include "analysis/summary.h"
 #include "core/constants.h"
 #include "core/error.h"
 #include "core/stop_request.h"
@@ -192,10 +193,7 @@ void tell(const Node& node, const inference::Prior& prior, const Vector& best,
   std::vector<std::string> values;
   for (Index d = 0; d < std::min(most, theta.cols()); ++d) {
     const inference::Marginal& marginal = prior.marginals()[static_cast<std::size_t>(d)];
-    const Vector column = theta.col(d);
-    const double mean = column.mean();
-    const double deviation =
-        std::sqrt((column.array() - mean).square().sum() / static_cast<double>(column.size() - 1));
+    const double deviation = analysis::summarize(theta.col(d)).std;
     const std::string unit = marginal.unit.empty() ? "" : " " + marginal.unit;
     values.push_back(marginal.name + " = " +
                      analysis::mean_std_text(best(d), deviation, analysis::NumberStyle::plain) +

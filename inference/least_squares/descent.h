@@ -1,0 +1,79 @@
+/// Levenberg and Marquardt's steps from many starts at once (least_squares.h). Private to
+/// inference/least_squares.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/constants.h"
+#include "core/types.h"
+#include "inference/least_squares/least_squares.h"
+
+namespace npdr::inference {
+
+/// A simulated point.
+struct Point {
+  Vector u;                 ///< (D)
+  RowMatrix errors;         ///< (H K, C); empty: it can't be simulated
+  Vector scales;            ///< (C)
+  double cost = kInfinity;  ///< [nats], with the prior's
+};
+
+/// The way of one start.
+struct Search {
+  Point at;
+  RowMatrix curvature;    ///< (D, D) Gauss-Newton's, without the prior's
+  Vector gradient;        ///< (D) of the cost
+  Vector moves;           ///< (D) of u, of the next differences
+  double damping = 1e-2;  ///< relative to the curvature's diagonal
+  bool is_done = false;
+};
+
+/// Costs and derivatives by simulations, which are counted.
+class Simulations {
+ public:
+  /// Keeps a reference.
+  Simulations(const LeastSquaresProblem& problem, Index max_rows)
+      : problem_(problem), max_rows_(max_rows) {}
+
+  const LeastSquaresProblem& problem() const { return problem_; }
+  Index num_rows() const { return num_rows_; }
+  Index num_failed() const { return num_failed_; }
+  bool may_go_on() const { return num_rows_ < max_rows_; }
+
+  /// visit(i, errors (H K, C)) of each row of u (n, D), in order; no errors of a row that failed.
+  void for_each(const RowMatrix& u, const std::function<void(Index, RowMatrix)>& visit);
+  /// Points of rows of u (n, D); `guess`: of the scales of row i.
+  std::vector<Point> points(const RowMatrix& u, const std::function<Vector(Index)>& guess);
+  /// Slopes (H K C, D) of errors by u at each search, by forward differences; 0 where a moved point
+  /// can't be simulated.
+  std::vector<RowMatrix> slopes(const std::vector<Search*>& searches);
+  /// The same of one search by central differences, or by one side where the other can't be
+  /// simulated.
+  RowMatrix central_slopes(Search& search);
+
+ private:
+  void for_each_moved(const std::vector<Search*>& searches, double factor,
+                      const std::function<void(std::size_t, Index, const RowMatrix&)>& visit);
+  RowMatrix shaped(const VectorF& row) const;
+
+  const LeastSquaresProblem& problem_;
+  Index max_rows_;
+  Index num_rows_ = 0, num_failed_ = 0;
+  Index most_rows_ = 64;  // of a block, until errors' number is known
+};
+
+/// sum w (de / du)^T (de / du) / s^2, (D, D). slopes: (H K C, D); weights w: (H K, C).
+RowMatrix curvature(const RowMatrix& slopes, const RowMatrix& weights, const Vector& scales);
+
+/// curvature + I: with that of the prior.
+RowMatrix with_prior(RowMatrix curvature);
+
+/// The `count` rows of u (n, D) with the smallest costs; fewer where fewer can be simulated.
+RowMatrix best_rows(Simulations& simulations, const RowMatrix& u, Index count);
+
+/// The way of each start (k, D) to its minimum, the best first. Of starts that meet the best stays;
+/// those that can't be simulated are left out.
+std::vector<Search> descend(Simulations& simulations, const RowMatrix& starts, Index max_steps);
+
+}  // namespace npdr::inference
