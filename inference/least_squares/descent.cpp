@@ -123,7 +123,8 @@ void Simulations::for_each(const RowMatrix& u, const std::function<void(Index, R
   }
 }
 
-std::vector<Point> Simulations::points(const RowMatrix& u, const std::function<Vector(Index)>& guess) {
+std::vector<Point> Simulations::points(const RowMatrix& u,
+                                       const std::function<Vector(Index)>& guess) {
   std::vector<Point> all(static_cast<std::size_t>(u.rows()));
   for_each(u, [&](Index i, RowMatrix errors) {
     Point& point = all[static_cast<std::size_t>(i)];
@@ -165,8 +166,9 @@ RowMatrix Simulations::central_slopes(Search& search) {
   return slopes;
 }
 
-void Simulations::for_each_moved(const std::vector<Search*>& searches, double factor,
-                    const std::function<void(std::size_t, Index, const RowMatrix&)>& visit) {
+void Simulations::for_each_moved(
+    const std::vector<Search*>& searches, double factor,
+    const std::function<void(std::size_t, Index, const RowMatrix&)>& visit) {
   const Index dimension = searches.front()->at.u.size();
   RowMatrix moved(std::ssize(searches) * dimension, dimension);
   for (std::size_t s = 0; s < searches.size(); ++s) {

@@ -12,7 +12,7 @@
 namespace npdr::inference {
 namespace {
 
-constexpr double kLeastWeight = 1e-4;      // of a minimum in the mixture
+constexpr double kLeastWeight = 1e-4;  // of a minimum in the mixture
 
 // A minimum, and the power to which its cost counts.
 struct Curved {
@@ -78,8 +78,9 @@ Curved curved(Simulations& simulations, Search& search) {
   Curved found;
   found.power = std::min(1.0, a_white.trace() / std::max(b.trace(), 1e-12));
   b.diagonal().array() += 1e-9 * std::max(1.0, b.diagonal().maxCoeff());
-  const RowMatrix half = information_filter(a, curvature_of_rounding(simulations, search, curvatures)) *
-                         Eigen::MatrixXd(root.matrixL()) * a_white;
+  const RowMatrix half =
+      information_filter(a, curvature_of_rounding(simulations, search, curvatures)) *
+      Eigen::MatrixXd(root.matrixL()) * a_white;
   RowMatrix precision = half * b.ldlt().solve(half.transpose());
   precision.diagonal().array() += 1.0;
   constexpr double most = 1e14;  // of a precision: its inverse can still be factored

@@ -40,8 +40,8 @@ TEST(LongRunCovariance, IsTheDoubleSumWithTriangularWeights) {
             1e-10 * expected.norm());
 }
 
-// Var(sum) of an autoregression of variance 1 is about K (1 + rho) / (1 - rho). Lags for correlations
-// of .97 at most would find .53 of it for .995.
+// Var(sum) of an autoregression of variance 1 is about K (1 + rho) / (1 - rho). Lags for
+// correlations of .97 at most would find .53 of it for .995.
 TEST(LongRunCovariance, FindsTheVarianceOfASumOfAutoregressions) {
   for (const double rho : {0.0, 0.5, 0.9, 0.995}) {
     constexpr Index steps = 20'000, repetitions = 8;
