@@ -8,6 +8,7 @@
 #include "core/log_sum_exp.h"
 #include "inference/direct_posterior.h"
 #include "inference/ensemble.h"
+#include "inference/log_normalizer.h"
 #include "inference/row_blocks.h"
 #include "inference/samplers/tempered_chains.h"
 #include "inference/standard_normal.h"
@@ -104,22 +105,11 @@ double SurrogatePosterior::log_normalizer() const {
 }
 
 double SurrogatePosterior::estimate_log_normalizer() const {
-  constexpr Index num_samples = 1000, num_points = 20'000;
-  constexpr double wider = 1.5, prior_share = 0.1;
+  constexpr Index num_samples = 1000;
   const StreamId id{parts().structure_seed, "normaliser", 0, 0, 0};
-  const Index d = prior().dimension();
-  const RowMatrix samples = prior().to_normal(sample(num_samples, id));
-  const Eigen::RowVectorXd mean = samples.colwise().mean();
-  const RowMatrix centered = samples.rowwise() - mean;
-  const Eigen::MatrixXd covariance =
-      wider * wider * (centered.transpose() * centered) / static_cast<double>(num_samples - 1) +
-      1e-10 * Eigen::MatrixXd::Identity(d, d);
-  GaussianMixture around{Vector(2),
-                         {mean.transpose(), Vector::Zero(d)},
-                         {precision_factor(covariance), Eigen::MatrixXd::Identity(d, d)}};
-  around.log_weights << std::log(1.0 - prior_share), std::log(prior_share);
-  const RowMatrix points = around.sample(num_points, named(id, "normaliser_points"));
-  return log_mean_exp(numbers(log_density(points) - around.log_prob(points)));
+  return inference::log_normalizer([&](const RowMatrix& u) { return log_density(u); },
+                                   prior().to_normal(sample(num_samples, id)),
+                                   named(id, "normaliser_points"));
 }
 
 Vector SurrogatePosterior::relative_log_prob(const RowMatrix& theta) const {

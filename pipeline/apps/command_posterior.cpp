@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -12,10 +13,12 @@
 #include "core/log_sum_exp.h"
 #include "core/printable.h"
 #include "core/text.h"
+#include "inference/conditional_posterior.h"
 #include "inference/diagnostics/bound_pressure.h"
 #include "inference/diagnostics/out_of_distribution.h"
 #include "inference/diagnostics/two_samples.h"
 #include "inference/embeddings/embedding.h"
+#include "inference/particle_posterior.h"
 #include "inference/samplers/chain_diagnostics.h"
 #include "pipeline/apps/commands.h"
 #include "pipeline/artefacts/feature_file.h"
@@ -37,9 +40,10 @@ namespace npdr::pipeline {
 namespace {
 
 struct PosteriorArguments {
-  std::string posterior;  ///< a file, or a study, whose method's posteriors count the same
-  StudyArguments study;   ///< which of the study's
-  std::string recording;  ///< --x: another observation
+  std::string posterior;           ///< a file, or a study, whose method's posteriors count the same
+  StudyArguments study;            ///< which of the study's
+  std::string recording;           ///< --x: another observation
+  std::vector<std::string> given;  ///< --given: NAME=NUMBER
   Index count = 1000;
   std::uint64_t seed = 0;
   std::string theta;  ///< file of log-prob
@@ -192,6 +196,59 @@ std::unique_ptr<inference::Posterior> load(const std::string& path, const std::s
   return read();
 }
 
+using Given = std::vector<std::pair<std::string, double>>;
+
+Given parse_given(const std::vector<std::string>& texts) {
+  Given given;
+  for (const std::string& text : texts) {
+    const std::size_t equals = std::min(text.find('='), text.size());
+    const char* const end = text.data() + text.size();
+    const char* const begin = std::min(text.data() + equals + 1, end);
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(begin, end, value);
+    if (equals == 0 || begin == end || stop != end || error != std::errc() ||
+        !std::isfinite(value)) {
+      throw InputError("--given " + quoted(text) + ": must be NAME=NUMBER, such as mass=0.2");
+    }
+    given.emplace_back(text.substr(0, equals), value);
+  }
+  return given;
+}
+
+// Where a posterior has no samples, its density is what a network makes of nothing.
+void warn_of_improbable(const std::string& path, const inference::Posterior& whole,
+                        const Given& given) {
+  constexpr Index num_samples = 1000;
+  const RowMatrix theta = whole.sample(num_samples, {0, "given", 0, 0, 0});
+  const std::vector<inference::Marginal>& parameters = whole.prior().marginals();
+  for (const auto& [name, value] : given) {
+    const auto place = std::ranges::find(parameters, name, &inference::Marginal::name);
+    const auto column = theta.col(place - parameters.begin());
+    if (value >= column.minCoeff() && value <= column.maxCoeff()) continue;
+    print_warning(fmt::format(
+        "{}: {} = {:.6g} lies outside of the range of {} samples of the posterior ({:.4g} to "
+        "{:.4g}), where its density is a guess",
+        path, name, value, num_samples, column.minCoeff(), column.maxCoeff()));
+  }
+}
+
+std::unique_ptr<inference::Posterior> load_given(const std::string& path,
+                                                 const PosteriorArguments& arguments) {
+  const Given given = parse_given(arguments.given);
+  auto whole = load(path, arguments.recording);
+  if (given.empty()) return whole;
+  const auto* const particles = dynamic_cast<const inference::ParticlePosterior*>(whole.get());
+  if (particles != nullptr && particles->parts().space == inference::ParticleSpace::theta) {
+    throw InputError(path +
+                     ": a linear regression's samples may lie outside of the prior, and "
+                     "can't be conditioned: leave out --given, or take another method's");
+  }
+  const inference::Posterior& before = *whole;
+  auto rest = std::make_unique<inference::ConditionalPosterior>(std::move(whole), given);
+  warn_of_improbable(path, before, given);
+  return rest;
+}
+
 // Weights that are finite may still overflow in the sums of a network.
 void require_numbers(const std::string& posterior, bool are_numbers) {
   if (are_numbers) return;
@@ -233,7 +290,7 @@ void warn_of_pressed_bounds(const inference::Prior& prior, const RowMatrix& thet
 // the parameters. Each has random numbers of its own.
 void print_samples(const PosteriorArguments& arguments, const std::string& path, Index count,
                    Index k) {
-  const auto posterior = load(path, arguments.recording);
+  const auto posterior = load_given(path, arguments);
   const inference::Samples samples =
       posterior->draw(count, {arguments.seed, "sample", static_cast<std::uint64_t>(k), 0, 0});
   const RowMatrix& theta = samples.theta;
@@ -300,7 +357,7 @@ RowMatrix read_theta(const std::string& path, const inference::Prior& prior) {
 void print_log_prob(const PosteriorArguments& arguments) {
   RowMatrix theta, log_prob;  // (n, D), (n, posteriors)
   for (const std::string& file : files_of(arguments, "npdr log-prob")) {
-    const auto posterior = load(file, arguments.recording);
+    const auto posterior = load_given(file, arguments);
     if (theta.size() == 0) theta = read_theta(arguments.theta, posterior->prior());
     log_prob.conservativeResize(theta.rows(), log_prob.cols() + 1);
     log_prob.rightCols(1) = posterior->log_prob(theta);
@@ -319,6 +376,12 @@ std::shared_ptr<PosteriorArguments> add_options(CLI::App& command) {
       ->required();
   command.add_option("--x", arguments->recording,
                      "another recording, or file of x_o, to condition on");
+  command
+      .add_option(
+          "--given", arguments->given,
+          "NAME=NUMBER: a parameter whose value is known; may be repeated; the output is of "
+          "the others")
+      ->allow_extra_args(false);
   arguments->study.add_selection_to(command);
   command.get_option("--method")->description("that of a study's methods, where several infer");
   return arguments;
@@ -335,13 +398,16 @@ Action sample_command(CLI::App& command) {
   command.footer(
       "Examples:\n  npdr sample runs/study/npe/seed-1/round-1/infer.h5 -n 500\n"
       "  npdr sample study.toml --method NPE --seeds 1\n"
-      "  npdr sample study.toml --method NPE        (all seeds pooled)");
+      "  npdr sample study.toml --method NPE        (all seeds pooled)\n"
+      "  npdr sample study.toml --method NPE --given mass=0.2 --given length=1");
   return done_after([arguments] { print_samples_of(*arguments); });
 }
 
 Action log_prob_command(CLI::App& command) {
   auto arguments = add_options(command);
-  command.add_option("THETA", arguments->theta, "CSV or HDF5 with a column per parameter")
+  command
+      .add_option("THETA", arguments->theta,
+                  "CSV or HDF5 with a column per parameter that isn't given")
       ->required();
   command.footer(
       "Examples:\n  npdr log-prob runs/study/npe/seed-1/round-1/infer.h5 theta.csv\n"

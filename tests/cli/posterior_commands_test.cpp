@@ -30,6 +30,22 @@ TEST_F(PosteriorCommands, SampleAndLogProbUseAPosterior) {
                    {"npdr log-prob: grams.csv: column 'pole_mass' is in [g]", "must be in [kg]"}));
 }
 
+TEST_F(PosteriorCommands, AreAboutTheOtherParametersOfThoseGiven) {
+  const std::string posterior = "runs/small/npdr-maf/seed-1/round-2/infer.h5";
+  const Outcome samples = npdr(0, {"sample", "--given", "pole_mass=1.1", posterior, "-n", "20"});
+  EXPECT_TRUE(samples.out.starts_with("pole_length [m]\n")) << samples.out;
+  std::ofstream(file("lengths.csv")) << samples.out;
+  const Outcome densities =
+      npdr(0, {"log-prob", posterior, "--given", "pole_mass=1.1", "lengths.csv"});
+  EXPECT_EQ(std::count(densities.out.begin(), densities.out.end(), '\n'), 21);
+  for (const auto& [given, said] : std::vector<std::pair<std::string, std::string>>{
+           {"pole_mass", "--given 'pole_mass': must be NAME=NUMBER"},
+           {"pole_mass=nan", "--given 'pole_mass=nan': must be NAME=NUMBER"},
+           {"pole_mas=1", "unknown parameter 'pole_mas' (did you mean 'pole_mass'?)"}}) {
+    EXPECT_TRUE(has(npdr(2, {"sample", posterior, "--given", given}).err, said));
+  }
+}
+
 TEST_F(PosteriorCommands, SamplesOfAStudyArePooledOverItsSeeds) {
   const std::vector<std::string> words = {"sample",     "small.toml", "--method",
                                           "NPDR (MoG)", "-n",         "6"};
