@@ -27,6 +27,10 @@ std::vector<Search*> active(std::vector<Search>& searches) {
   return found;
 }
 
+Index rows_of_step(Index dimension) { return dimension + static_cast<Index>(kNumTrials); }
+
+Index rows_of_curvature(Index dimension) { return 2 * dimension; }
+
 // Curvature and gradient of each.
 void differentiate(Simulations& simulations, const std::vector<Search*>& searches) {
   const StudentErrors& noise = simulations.problem().noise;
@@ -59,9 +63,11 @@ double promised(const Search& search) {
   return 0.5 * search.gradient.dot(with_prior(search.curvature).ldlt().solve(search.gradient));
 }
 
-// Some damped steps of each, the best of which is taken; with none the damping grows.
-void advance(Simulations& simulations, std::vector<Search*> searches) {
-  while (!searches.empty()) {
+// Some damped steps of each, the best of which is taken; with none the damping grows, as long as
+// more rows than `reserve` are left.
+void advance(Simulations& simulations, std::vector<Search*> searches, Index reserve) {
+  while (!searches.empty() &&
+         simulations.num_left() >= reserve + std::ssize(searches) * Index{kNumTrials}) {
     RowMatrix trials(std::ssize(searches) * static_cast<Index>(kNumTrials),
                      searches.front()->at.u.size());
     for (Index i = 0; i < trials.rows(); ++i) {
@@ -212,24 +218,33 @@ RowMatrix best_rows(Simulations& simulations, const RowMatrix& u, Index count) {
   return u(rows, Eigen::all);
 }
 
+Index rows_of_start(Index dimension) {
+  return kStepsBeforeHalving * rows_of_step(dimension) + rows_of_curvature(dimension);
+}
+
 std::vector<Search> descend(Simulations& simulations, const RowMatrix& starts, Index max_steps) {
   std::vector<Search> searches;
   for (Point& point : simulations.points(starts, [](Index) { return Vector(); })) {
     if (point.cost == kInfinity) continue;
     searches.push_back({std::move(point), {}, {}, Vector::Constant(starts.cols(), kFirstMove)});
   }
-  for (Index i = 0; i < max_steps && simulations.may_go_on(); ++i) {
+  const Index dimension = starts.cols(), of_step = rows_of_step(dimension);
+  merge(searches);
+  const Index most = std::max<Index>(1, simulations.num_left() / rows_of_start(dimension));
+  searches.resize(std::min(searches.size(), static_cast<std::size_t>(most)));
+  for (Index i = 0; i < max_steps; ++i) {
     merge(searches);
     if (i > 0 && i <= 2 * kStepsBeforeHalving && i % kStepsBeforeHalving == 0) {
       const std::size_t half = (searches.size() + 1) / 2;
       searches.resize(std::min(searches.size(), std::max(half, kFewestStarts)));
     }
     std::vector<Search*> moving = active(searches);
-    if (moving.empty()) break;
+    const Index reserve = std::ssize(searches) * rows_of_curvature(dimension);
+    if (moving.empty() || simulations.num_left() < std::ssize(moving) * of_step + reserve) break;
     differentiate(simulations, moving);
     for (Search* search : moving) search->is_done = promised(*search) < kConverged;
     std::erase_if(moving, [](const Search* search) { return search->is_done; });
-    advance(simulations, moving);
+    advance(simulations, moving, reserve);
   }
   merge(searches);
   return searches;

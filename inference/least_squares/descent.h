@@ -39,7 +39,8 @@ class Simulations {
   const LeastSquaresProblem& problem() const { return problem_; }
   Index num_rows() const { return num_rows_; }
   Index num_failed() const { return num_failed_; }
-  bool may_go_on() const { return num_rows_ < max_rows_; }
+  /// Rows that may still be simulated.
+  Index num_left() const { return max_rows_ - num_rows_; }
 
   /// visit(i, errors (H K, C)) of each row of u (n, D), in order; no errors of a row that failed.
   void for_each(const RowMatrix& u, const std::function<void(Index, RowMatrix)>& visit);
@@ -72,8 +73,11 @@ RowMatrix with_prior(RowMatrix curvature);
 /// The `count` rows of u (n, D) with the smallest costs; fewer where fewer can be simulated.
 RowMatrix best_rows(Simulations& simulations, const RowMatrix& u, Index count);
 
+/// Rows that a start of D parameters needs for some steps and its curvature.
+Index rows_of_start(Index dimension);
+
 /// The way of each start (k, D) to its minimum, the best first. Of starts that meet the best stays;
-/// those that can't be simulated are left out.
+/// those that can't be simulated are left out, and the worst where rows aren't left for all.
 std::vector<Search> descend(Simulations& simulations, const RowMatrix& starts, Index max_steps);
 
 }  // namespace npdr::inference

@@ -1,6 +1,7 @@
 #include "inference/least_squares/least_squares.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <utility>
 
 #include "inference/least_squares/descent.h"
@@ -24,34 +25,42 @@ LeastSquaresFit least_squares(const LeastSquaresProblem& problem, const RowMatri
   constexpr double better = 1.0, twice_as_wide = 4.0;
   Simulations simulations(problem, config.max_simulations);
   LeastSquaresFit fit;
-  const RowMatrix first = best_rows(simulations, candidates, config.num_starts);
-  std::vector<Search> searches = descend(simulations, stacked(first, starts), config.max_steps);
-  if (max_rounds > 0) {
-    fit.minima = laplace_mixture(simulations, std::move(searches));
-  } else {
+  const auto minima_from = [&](const RowMatrix& from, const RowMatrix& known, bool& converged) {
+    // Half of what is left at most is for candidates.
+    const Index tried = std::min(from.rows(), std::max<Index>(1, simulations.num_left() / 2));
+    const Index affordable = (simulations.num_left() - tried) / rows_of_start(from.cols());
+    const Index count = std::clamp<Index>(affordable, 1, config.num_starts);
+    const RowMatrix best = best_rows(simulations, from.topRows(tried), count);
+    std::vector<Search> searches = descend(simulations, stacked(best, known), config.max_steps);
+    converged = !searches.empty() && searches.front().is_done;
+    if (max_rounds > 0) return laplace_mixture(simulations, std::move(searches));
+    std::vector<Minimum> minima;
     for (const Search& each : searches) {
-      fit.minima.push_back({each.at.u, each.at.cost, each.at.scales, {}});
+      minima.push_back({each.at.u, each.at.cost, each.at.scales, {}});
     }
-  }
-  for (Index round = 1; round < max_rounds && !fit.minima.empty() && simulations.may_go_on();
-       ++round) {
+    return minima;
+  };
+  fit.minima = minima_from(candidates, starts, fit.converged);
+  const Index of_round = candidates.rows() + rows_of_start(candidates.cols());
+  for (Index round = 1;
+       round < max_rounds && !fit.minima.empty() && simulations.num_left() >= of_round; ++round) {
     const double before = fit.minima.front().cost;
     LeastSquaresFit wider = fit;
     for (Minimum& minimum : wider.minima) minimum.covariance *= twice_as_wide;
-    StreamId of_round = within(id, "least_squares_round");
-    of_round.epoch = static_cast<std::uint64_t>(round);
-    const RowMatrix near =
-        best_rows(simulations, wider.sample(candidates.rows(), of_round), config.num_starts);
-    std::vector<Minimum> next = laplace_mixture(
-        simulations, descend(simulations, stacked(near, minima_of(fit)), config.max_steps));
-    if (next.empty() || next.front().cost > before)
+    StreamId draws = within(id, "least_squares_round");
+    draws.epoch = static_cast<std::uint64_t>(round);
+    bool converged = false;
+    std::vector<Minimum> next =
+        minima_from(wider.sample(candidates.rows(), draws), minima_of(fit), converged);
+    if (next.empty() || next.front().cost > before) {
       break;  // as of a simulator that draws at random
+    }
     fit.minima = std::move(next);
+    fit.converged = converged;
     if (fit.minima.front().cost > before - better) break;
   }
   fit.num_rows = simulations.num_rows();
   fit.num_failed = simulations.num_failed();
-  fit.converged = simulations.may_go_on();
   return fit;
 }
 

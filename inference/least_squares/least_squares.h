@@ -35,7 +35,7 @@ struct LeastSquaresConfig {
   Index num_candidates = 500;  ///< draws of the prior that starts are chosen from
   Index num_starts = 8;
   Index max_simulations = 20'000;
-  Index max_steps = 40;  ///< of each start
+  Index max_steps = 200;  ///< of each start
 };
 
 struct LeastSquaresProblem {
@@ -58,7 +58,7 @@ struct LeastSquaresFit {
   std::vector<Minimum> minima;  ///< the best first; none: no start could be simulated
   Index num_rows = 0;           ///< simulated
   Index num_failed = 0;         ///< of these
-  bool converged = false;       ///< within `max_simulations`
+  bool converged = false;       ///< the best minimum's steps ended by themselves
 
   /// (n, D) draws of the mixture. Draw i depends on `id` and i alone.
   RowMatrix sample(Index n, const StreamId& id) const;
@@ -67,7 +67,8 @@ struct LeastSquaresFit {
 /// The minima that the best of `candidates` (n, D) and `starts` (k, D) lead to. Then draws of the
 /// posterior, twice as wide, are the candidates, as long as these lead to a minimum that is better
 /// by a nat or more, in at most `max_rounds` rounds; 0: minima have neither covariance nor weight.
-/// Stops soon after `max_simulations`. Throws what `errors` throws.
+/// Where `max_simulations` aren't enough for all, half of them at most are candidates, and fewer
+/// starts go on; one is looked at in any case. Throws what `errors` throws.
 LeastSquaresFit least_squares(const LeastSquaresProblem& problem, const RowMatrix& candidates,
                               const RowMatrix& starts, const LeastSquaresConfig& config,
                               Index max_rounds, const StreamId& id);
