@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/constants.h"
@@ -76,34 +77,95 @@ Target with_earlier_rates(Target target, Index samples) {
   return target;
 }
 
+Target with_actions_times(Target target, double factor) {
+  for (Rollout& rollout : target.rollouts) rollout.actions *= factor;
+  return target;
+}
+
+Target with_states_times(Target target, double factor) {
+  for (Rollout& rollout : target.rollouts) rollout.states *= factor;
+  return target;
+}
+
+Target with_time_step(Target target, double dt) {
+  target.dt = dt;
+  return target;
+}
+
+enum class Kind { actions, rates, clock, action_scale, state_scale };
+constexpr std::size_t kNumKinds = 5;
+
 struct ChangedRecording {
-  std::string change;
+  Kind kind;
+  Cause cause;
   Target target;
+  double unit = 1.0;  // of its errors
+  double size = 0.0;  // of these, after a step
 };
 
-std::vector<ChangedRecording> changed_recordings(const Target& recording) {
+void add_moved(std::vector<ChangedRecording>& changed, const Target& recording) {
   constexpr Index most_samples = 5;
-  std::vector<ChangedRecording> changed;
   const bool has_rates = std::ranges::any_of(
       recording.state_channels, [](const Channel& c) { return c.unit.ends_with("/s"); });
-  for (Index k = -most_samples; k <= most_samples; ++k) {
-    if (k == 0) continue;
-    const Index count = std::abs(k);
-    const std::string samples = fmt::format("{} sample{}", count, count == 1 ? "" : "s");
+  for (Index k = 1; k <= most_samples; ++k) {
+    const std::string samples = fmt::format("{} sample{}", k, k == 1 ? "" : "s");
     if (recording.num_actions() > 0) {
-      changed.push_back({fmt::format("actions {} {}", samples, k > 0 ? "later" : "earlier"),
-                         moved(recording, k)});
+      changed.push_back(
+          {Kind::actions,
+           {"the device reacted to actions " + samples + " late", "actions " + samples + " later"},
+           moved(recording, k)});
+      changed.push_back(
+          {Kind::actions,
+           {"actions were recorded " + samples + " late", "actions " + samples + " earlier"},
+           moved(recording, -k)});
     }
-    if (has_rates) {
-      changed.push_back({fmt::format("rates {} {}", samples, k > 0 ? "earlier" : "later"),
-                         with_earlier_rates(recording, k)});
-    }
-    Target target = recording;
-    target.dt *= 1.0 + 0.02 * static_cast<double>(k);
+    if (!has_rates) continue;
     changed.push_back(
-        {fmt::format("a time step of {:.4g} s in place of {:.4g} s", target.dt, recording.dt),
-         target});
+        {Kind::rates,
+         {"rates were recorded " + samples + " late", "rates " + samples + " earlier"},
+         with_earlier_rates(recording, k)});
+    changed.push_back({Kind::rates,
+                       {"rates were recorded " + samples + " early", "rates " + samples + " later"},
+                       with_earlier_rates(recording, -k)});
   }
+}
+
+void add_scaled(std::vector<ChangedRecording>& changed, const Target& recording) {
+  const bool has_actions = recording.num_actions() > 0;
+  if (has_actions) {
+    changed.push_back({Kind::action_scale,
+                       {"actions had the opposite sign", "actions of the other sign"},
+                       with_actions_times(recording, -1.0)});
+  }
+  for (const double factor : {0.8, 0.9, 1.1, 1.25}) {
+    const std::string fault =
+        fmt::format(" were about {:.2f} times too {}", std::max(factor, 1.0 / factor),
+                    factor < 1.0 ? "large" : "small");
+    const std::string change = fmt::format(" {} times as large", factor);
+    if (has_actions) {
+      changed.push_back({Kind::action_scale,
+                         {"actions" + fault, "actions" + change},
+                         with_actions_times(recording, factor)});
+    }
+    changed.push_back({Kind::state_scale,
+                       {"states" + fault, "states" + change},
+                       with_states_times(recording, factor),
+                       factor});
+  }
+}
+
+std::vector<ChangedRecording> changed_recordings(const Target& recording) {
+  std::vector<ChangedRecording> changed;
+  add_moved(changed, recording);
+  for (const double factor : {0.9, 0.92, 0.94, 0.96, 0.98, 1.02, 1.04, 1.06, 1.08, 1.1}) {
+    const double dt = factor * recording.dt;
+    const std::string step = fmt::format("{:.4g} s", dt);
+    changed.push_back({Kind::clock,
+                       {fmt::format("time steps were {}, not {:.4g} s", step, recording.dt),
+                        "time steps of " + step},
+                       with_time_step(recording, dt)});
+  }
+  add_scaled(changed, recording);
   return changed;
 }
 
@@ -188,28 +250,30 @@ std::optional<Concentration> concentration(const Misfit& m) {
 
 std::optional<Cause> likeliest_cause(const FitProblem& problem, const Target& recording,
                                      const Vector& theta) {
-  constexpr std::size_t num_fitted = 3;
   FitProblem in_parts = problem;
   in_parts.segment_length = first_length(problem, recording);
   const Fit start = fit(in_parts, recording, theta);
   if (start.errors.size() == 0) return std::nullopt;
-  std::vector<std::pair<double, ChangedRecording>> changes;
+  std::array<std::optional<ChangedRecording>, kNumKinds> best_of_kinds;
   for (ChangedRecording& changed : changed_recordings(recording)) {
     const RowMatrix errors = errors_after_step(in_parts, changed.target, start);
     if (errors.size() == 0) continue;  // the simulator refuses it
-    const double size = size_of(errors, recording.num_rollouts());
-    if (std::isfinite(size)) changes.emplace_back(size, std::move(changed));
+    changed.size = size_of(errors, recording.num_rollouts()) / changed.unit;
+    auto& best = best_of_kinds[static_cast<std::size_t>(changed.kind)];
+    if (std::isfinite(changed.size) && (!best || changed.size < best->size)) best = changed;
   }
-  std::ranges::stable_sort(changes, {}, [](const auto& change) { return change.first; });
-  if (changes.size() > num_fitted) changes.erase(changes.begin() + num_fitted, changes.end());
-  std::optional<Cause> best;
-  for (const auto& [size, changed] : changes) {
-    const Fit found = fit(problem, changed.target, start.theta);
+  constexpr double clearly = 0.98;  // less: of linear motion scales of actions and states are one
+  std::optional<Cause> likeliest;
+  for (const auto& changed : best_of_kinds) {
+    if (!changed) continue;
+    const Fit found = fit(problem, changed->target, start.theta);
     if (found.errors.size() == 0) continue;
-    const double left = size_of(found.errors, recording.num_rollouts());
-    if (!best || left < best->size) best = {changed.change, left};
+    const double left = size_of(found.errors, recording.num_rollouts()) / changed->unit;
+    if (likeliest && !(left < clearly * likeliest->size)) continue;
+    likeliest = changed->cause;
+    likeliest->size = left;
   }
-  return best;
+  return likeliest;
 }
 
 }  // namespace npdr::analysis

@@ -47,14 +47,17 @@ std::optional<Concentration> concentration(const Misfit& misfit);
 
 /// A change of a recording that would explain a misfit.
 struct Cause {
-  std::string change;  ///< "actions 2 samples later", "a time step of 0.021 s in place of 0.02 s"
-  double size = 0.0;   ///< of the errors that a fit leaves then
+  std::string fault;   ///< "rates were recorded 2 samples late"
+  std::string change;  ///< "rates 2 samples earlier"
+  double size = 0.0;   ///< of the errors that a fit leaves then, in units of the recording's
 };
 
-/// Of actions moved by up to 5 samples either way, rates (channels per second) likewise, and time
-/// steps longer or shorter by 2, 4, ..., 10 %, the change whose fit leaves the smallest errors: in
-/// segments of a sixteenth of a rollout, by one Gauss-Newton step; the best three of these are
-/// fitted. None where no fit can be simulated.
+/// Of actions moved by up to 5 samples either way, rates (channels per second) likewise, time steps
+/// longer or shorter by 2, 4, ..., 10 %, actions of the other sign, and actions or states times
+/// 0.8, 0.9, 1.1 or 1.25, the change whose fit leaves the smallest errors. Of each of these five
+/// kinds the best is fitted, by the errors that one Gauss-Newton step leaves in segments of a
+/// sixteenth of a rollout; a later kind counts if it is better by 2 %. None where no fit can be
+/// simulated.
 std::optional<Cause> likeliest_cause(const FitProblem& problem, const Target& recording,
                                      const Vector& theta);
 

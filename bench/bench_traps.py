@@ -51,7 +51,6 @@ PROBES = [(name, re.compile(words)) for name, words in (
     ("order_of_rows", r"in another order than those of theta"),
     ("lost_precision", r"single precision"),
     ("same_rows", r"are the same|the very x of others"),
-    ("late_states", r"come a step late"),
     ("outliers", r"further from all other values"),
     ("too_many_failed", r"max_failed_fraction"),
     ("failed_rows", r"rows failed|simulations failed"),
@@ -62,6 +61,7 @@ PROBES = [(name, re.compile(words)) for name, words in (
 SEVERITIES = {"wrong": "fail", "suspicious": "warning"}
 LOUD = {"fail": "!", "warning": "?"}
 TOO_MANY_FAILED = 3  # exit status
+FIT = "Least squares"
 # What is said of any fault names none.
 GENERAL = re.compile(r"simulator or noise lack( something)?|Look for [^.]*")
 
@@ -98,7 +98,7 @@ def found_in_output(phase, output, status):
     """Warnings, and why the command ended. Those of stages begin with "npdr: simulate default, seed 1, round 1: "."""
     found = []
     for line in output.splitlines():
-        method = re.match(r"npdr: \w+ (\w+), seed", line)
+        method = re.match(r"npdr: \w+ ([\w ]+), seed", line)
         text = line.partition("warning: ")[2]
         if text:
             found.append(finding(phase, id_of(text), "warning", text, method[1] if method else ""))
@@ -157,8 +157,10 @@ def run(world, options):
 
 
 def methods_of(folder):
+    """Those of the study, and the fit that a recorded motion has by itself."""
     text = (folder / "study.toml").read_text()
-    return re.findall(r'\[\[method\]\]\nname = "(\w+)"', text)
+    named = re.findall(r'\[\[method\]\]\nname = "(\w+)"', text)
+    return named if named == ["dataset"] else [FIT, *named]
 
 
 class Outcome:
@@ -179,7 +181,7 @@ class Outcome:
         marks = [f["id"] + LOUD[f["severity"]] for f in self.loud]
         marks += [f"({f['id']})" for f in self.found if f["severity"] not in LOUD]
         kind = "right" if self.world.is_right else "wrong"
-        return (f"{self.world.device:9} {self.world.name + ' ' + str(self.world.seed):23} {kind} {self.method:8} "
+        return (f"{self.world.device:9} {self.world.name + ' ' + str(self.world.seed):23} {kind} {self.method:13} "
                 f"{'BROKEN' if self.is_broken else said:13} {' '.join(dict.fromkeys(marks))}")
 
 
@@ -188,11 +190,11 @@ def share(part, whole):
 
 
 def print_summary(outcomes):
-    print("\nmethod    wrong worlds found     first names the cause  right worlds accused")
-    for method in ("default", "refine", "dataset"):
+    print("\nmethod        wrong worlds found     first names the cause  right worlds accused")
+    for method in (FIT, "default", "refine", "dataset"):
         its = [o for o in outcomes if o.method == method]
         wrong, right = [o for o in its if not o.world.is_right], [o for o in its if o.world.is_right]
-        print(f"{method:9} {share([o for o in wrong if o.loud], wrong):22} "
+        print(f"{method:13} {share([o for o in wrong if o.loud], wrong):22} "
               f"{share([o for o in wrong if o.names_cause], wrong):22} {share([o for o in right if o.loud], right)}")
 
 

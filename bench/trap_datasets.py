@@ -165,7 +165,7 @@ def dead_parameter(d):
 
 
 # What was done, the words of a finding, or of its id, that name it, and what else is particular.
-PRIOR, UNITS, PAIRS, COPIES = r"distributed|prior", r"unit|scale|outside of what", r"belong", r"copies|twice|the same"
+PRIOR, UNITS, PAIRS, COPIES = r"drawn|prior", r"unit|scale|outside of what", r"go with", r"copies|very x|the same"
 BOX, FAILURES = uniform(-2, 2, "a", "b"), r"fail|further from all"
 GROWTH = uniform(1, 3, "size") | uniform(0.5, 2, "rate")
 FAULTS = {

@@ -84,7 +84,10 @@ void describe(Layout f, RecordingMisfit& misfit) {
   f.attribute("noise_is_given", misfit.noise_is_given,
               "1: by the study; 0: it is what neighboring samples scatter by");
   f.attribute("limit", misfit.limit, "of `times`, above which the simulator lacks something");
-  f.attribute("cause", misfit.cause, "a change of the recording that explains it best");
+  f.attribute("expected", misfit.expected,
+              "`times` of a right simulator, whose fit takes noise away");
+  f.attribute("cause", misfit.cause, "the fault of the recording that would explain it best");
+  f.attribute("change", misfit.change, "of the recording, that would mend this fault");
   f.attribute("times_of_cause", misfit.times_of_cause, "`times` with that change");
 }
 

@@ -91,7 +91,9 @@ struct PriorPredictions {
 struct RecordingMisfit : analysis::Misfit {
   bool noise_is_given = false;  ///< else it is what neighboring samples scatter by
   double limit = 0.0;           ///< of `times`, above which the simulator lacks something
-  std::string cause = {};       ///< a change of the recording that explains it best; "": none
+  double expected = 1.0;        ///< `times` of a right one, whose fit takes some noise away
+  std::string cause = {};       ///< the fault of the recording that explains it best; "": none
+  std::string change = {};      ///< that would mend it
   double times_of_cause = 0.0;  ///< `times` with that change
 
   bool is_beyond() const { return times > limit; }

@@ -60,7 +60,7 @@ inline const Artefact<struct RefinementCheckpoint> kRefinementCheckpointSchema{
     {"refinement_checkpoint", 14, "infer"}};
 inline const Artefact<struct AskedRows> kAskedRowsSchema{{"asked_rows", 2, "infer"}};
 inline const Artefact<struct SimulatedRows> kSimulatedRowsSchema{{"simulated_rows", 2, "infer"}};
-inline const Artefact<struct Baseline> kBaselineSchema{{"baseline", 8, "baseline"}};
+inline const Artefact<struct Baseline> kBaselineSchema{{"baseline", 9, "baseline"}};
 inline const Artefact<struct Evaluation> kEvaluationSchema{{"evaluation", 11, "evaluate"}};
 inline const Artefact<struct Diagnosis> kDiagnosisSchema{{"diagnosis", 10, "diagnose"}};
 inline const Artefact<struct DiagnosisCheckpoint> kDiagnosisCheckpointSchema{

@@ -29,7 +29,8 @@ struct Cause {
 constexpr auto causes() {
   using enum Check;
   return std::to_array<Cause>(
-      {{"ood", {predictive, width, fit, residuals, held_out, contraction, sampling, bounds}},
+      {{"fit.cause", {ood, predictive, width, residuals, held_out, contraction, sampling}},
+       {"ood", {predictive, width, fit, residuals, held_out, contraction, sampling, bounds}},
        {"dataset", {predictive, width, fit, residuals, held_out, contraction, sampling, bounds}},
        {"fit.floor", {residuals, predictive, width, held_out, bounds}},
        {"fit.misfit", {residuals, predictive, width, held_out, bounds}},

@@ -83,28 +83,6 @@ double floor_of(const ReportData& data) {
   return 0.0;
 }
 
-// White noise of a recording is what the best parameters leave of it, but for the little that they
-// take away of so many numbers. The size of heavy tails may be that of a few numbers, which a
-// recording needn't have.
-Findings overstated_noise(const ReportData& data, double of_floor) {
-  constexpr double far_more = 3.0;
-  const Study& study = data.plan.study;
-  const double noise = known_noise(data);
-  const ObservationNoise& stated = study.observation_noise;
-  if (!study.target.recording || stated.is_correlated() || stated.is_heavy_tailed() ||
-      of_floor == 0.0 || noise < far_more * of_floor) {
-    return {};
-  }
-  return {
-      passes({.id = "noise",
-              .what = "observation_noise is larger than the noise of the recording",
-              .evidence = fmt::format("{:.0f} times what the best parameters leave (fine below "
-                                      "{:.0f})",
-                                      noise / of_floor, far_more),
-              .advice = fmt::format("Divide scale or std in [observation_noise] by up to {:.0f}",
-                                    noise / of_floor)})};
-}
-
 // Networks leave what more simulations near the recording would find.
 Findings room_to_learn(const MethodResults& m, double rmse, double of_floor) {
   constexpr double more = 2.0;
@@ -148,6 +126,7 @@ FitOfSamples fit_of(const MethodResults& m, double limit) {
 template <>
 Findings judge<Check::fit>(const MethodResults& m) {
   const double of_floor = floor_of(m.data);
+  if (const auto cause = words_of_cause(m.data)) return {fails(*cause)};
   if (of_floor > kFarFloor) {
     return {fails({.id = "floor",
                    .what = "no parameters of the prior explain the observation",
@@ -184,7 +163,6 @@ Findings judge<Check::fit>(const MethodResults& m) {
          .advice = advice})};
   }
   Findings found = {passes({.evidence = size})};
-  append(found, overstated_noise(m.data, of_floor));
   append(found, room_to_learn(m, worst.rmse, of_floor));
   return found;
 }

@@ -29,6 +29,36 @@ std::string short_number(double value) {
   return value < 10.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
 }
 
+namespace {
+
+// Times the noise, with three digits where it is near a limit.
+std::string size_text(double times) {
+  return times < 10.0 ? fmt::format("{:.3g}", times) : short_number(times);
+}
+
+std::string evidence_of(const RecordingMisfit& m) {
+  return fmt::format("the best parameters leave {} times the {} (fine up to {:.3g})",
+                     size_text(m.times),
+                     m.noise_is_given ? "stated noise" : "scatter of neighboring samples", m.limit);
+}
+
+}  // namespace
+
+std::optional<Finding> words_of_cause(const ReportData& data) {
+  // About as good as a right simulator, or most of the rest taken away.
+  constexpr double most_of_rest = 0.25;
+  const auto& m = data.baseline.misfit;
+  if (!m || !m->is_beyond() || m->cause.empty() ||
+      !(m->times_of_cause <= std::max(kMostOfGivenNoise, 1.0 + most_of_rest * (m->times - 1.0)))) {
+    return std::nullopt;
+  }
+  return Finding{.id = "cause",
+                 .what = "it looks as if " + m->cause,
+                 .evidence = evidence_of(*m) +
+                             fmt::format("; with {}, {}", m->change, size_text(m->times_of_cause)),
+                 .advice = "Correct the recording, the prior or the simulator"};
+}
+
 Finding words_of_misfit(const ReportData& data) {
   const RecordingMisfit& m = *data.baseline.misfit;
   std::string where;
@@ -39,22 +69,10 @@ Finding words_of_misfit(const ReportData& data) {
                             : " of every rollout";
     where += time_of(*worst, m, data.target);
   }
-  Finding said = {
-      .id = "misfit",
-      .what = "your simulator does not explain the recording" + where,
-      .evidence = fmt::format(
-          "the best parameters leave {} times the {} (fine up to {:.3g})",
-          m.times < 10.0 ? fmt::format("{:.3g}", m.times) : short_number(m.times),
-          m.noise_is_given ? "stated noise" : "scatter of neighboring samples", m.limit),
-      .advice = "Look for friction, a delay or a wrong clock"};
-  // What is about as good as a right simulator, or takes away most of the rest.
-  constexpr double most_of_rest = 0.25;
-  if (!m.cause.empty() &&
-      m.times_of_cause < std::max(kMostOfGivenNoise, 1.0 + most_of_rest * (m.times - 1.0))) {
-    said.advice =
-        fmt::format("Try {}, which would leave {} times", m.cause, short_number(m.times_of_cause));
-  }
-  return said;
+  return {.id = "misfit",
+          .what = "your simulator does not explain the recording" + where,
+          .evidence = evidence_of(m),
+          .advice = "Look for friction, a delay or a wrong clock"};
 }
 
 }  // namespace npdr::pipeline

@@ -2,6 +2,7 @@
 /// pipeline/config/check.h, and their helpers.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -91,6 +92,9 @@ std::string advice_on_noise(const Study& study, std::string otherwise);
 /// "1.9", "120".
 std::string short_number(double value);
 
+/// The fault of a recording that would explain what the best parameters leave of it; none: they
+/// leave its noise, or no such fault does.
+std::optional<Finding> words_of_cause(const ReportData& data);
 /// What the best parameters leave of a recording that they don't explain, and where its errors are
 /// far larger than elsewhere. Needs Baseline::misfit.
 Finding words_of_misfit(const ReportData& data);

@@ -92,9 +92,8 @@ class Inspection {
         tell_constant(column);
         continue;
       }
-      const bool lies_at_an_end = find_values_at_the_ends(column);
+      find_values_at_the_ends(column);
       find_another_prior(column);
-      if (!lies_at_an_end) find_frequent_value(column);
     }
     find_correlation();
     return std::move(found_);
@@ -117,11 +116,12 @@ class Inspection {
   }
 
   // At the one that has more.
-  bool find_values_at_the_ends(const Column& column) {
+  void find_values_at_the_ends(const Column& column) {
     const auto &lowest = *column.levels.begin(), &highest = *column.levels.rbegin();
     const bool is_lowest_first = lowest.second >= highest.second;
-    return tell_end(column, is_lowest_first ? lowest : highest) ||
-           tell_end(column, is_lowest_first ? highest : lowest);
+    if (!tell_end(column, is_lowest_first ? lowest : highest)) {
+      tell_end(column, is_lowest_first ? highest : lowest);
+    }
   }
 
   bool tell_end(const Column& column, const inference::Levels::value_type& level) {
@@ -154,23 +154,6 @@ class Inspection {
                                   distance, grave, p_value),
           .advice = fmt::format("State in [prior] how {} was drawn", column.prior.name)},
          distance > grave);
-  }
-
-  // Networks learn single values. Those of an even grid keep them from it.
-  void find_frequent_value(const Column& column) {
-    constexpr double least = 0.15, times_usual = 2.0;
-    constexpr std::size_t few = 5;
-    const auto& most =
-        *std::ranges::max_element(column.levels, {}, &inference::Levels::value_type::second);
-    const double share = share_of(column, most);
-    const bool is_usual = share * static_cast<double>(column.levels.size()) < times_usual;
-    if (share < least || (column.levels.size() >= few && is_usual)) return;
-    tell({.id = "frequent",
-          .what = fmt::format("many rows have {} = {:.6g}, where its posterior may peak",
-                              column.prior.name, most.first),
-          .evidence = share_text(share, least),
-          .advice = "Spread such values over the steps that they stand for"},
-         false);
   }
 
   // Of F, with a deviation of 1 / sqrt(n) where they don't correlate, nearly normal for few rows,

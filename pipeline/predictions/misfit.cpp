@@ -63,6 +63,13 @@ std::vector<RowMatrix> draw_errors(const sim::NoiseModel& model, const RecordedN
   return draws;
 }
 
+// sqrt(1 - p / N) of N errors and p values that a fit has chosen.
+double size_of_right(const analysis::Fit& fit) {
+  constexpr double least = 0.1;
+  const auto chosen = static_cast<double>(fit.theta.size() + fit.first_states.size());
+  return std::sqrt(std::max(least, 1.0 - chosen / static_cast<double>(fit.errors.size())));
+}
+
 double limit_of(const Study& study, bool is_given) {
   if (!is_given) return kMostOfScatter;
   return study.observation_noise.is_correlated() ? kMostOfCorrelatedNoise : kMostOfGivenNoise;
@@ -138,11 +145,13 @@ std::optional<RecordingMisfit> find_misfit(const Plan& plan, const Observation& 
   RecordingMisfit found{analysis::misfit(fit.errors, draw_errors(observation.noise(), noise),
                                          recording.num_rollouts()),
                         noise.is_given, limit_of(plan.study, noise.is_given)};
+  found.expected = size_of_right(fit);
   found.limit = std::max(found.limit, 1.0 + num_deviations * found.deviation);
   if (!found.is_beyond() || plan.study.source().calls_program) return found;
   if (const auto cause = analysis::likeliest_cause(problem, recording, fit.theta)) {
     const double left = analysis::size_of(fit.errors, recording.num_rollouts());
-    found.cause = cause->change;
+    found.cause = cause->fault;
+    found.change = cause->change;
     found.times_of_cause = found.times * cause->size / left;
   }
   return found;

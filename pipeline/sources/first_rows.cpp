@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "analysis/begins_at_rest.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "inference/diagnostics/row_faults.h"
@@ -14,14 +13,6 @@
 
 namespace npdr::pipeline {
 namespace {
-
-bool begins_late(const sim::Trajectories& x, Index row, const Target& recorded) {
-  for (Index h = 0; h < x.num_rollouts; ++h) {
-    const RowMatrix& states = recorded.rollouts[static_cast<std::size_t>(h)].states;
-    if (x.rollout(row, h).row(0) != states.row(0).cast<float>()) return false;
-  }
-  return true;
-}
 
 // What floats lose of the motion that is replayed, and so of its simulations.
 Findings find_lost_states(const FirstRows& rows) {
@@ -37,7 +28,7 @@ Findings find_lost_states(const FirstRows& rows) {
 // From a simulator or a dataset of the user's.
 bool is_foreign(const FirstRows& rows) { return !rows.study.source().is_built_in; }
 
-constexpr std::array<Probe<FirstRows>, 5> kProbes = {{
+constexpr std::array<Probe<FirstRows>, 4> kProbes = {{
     {"not_repeatable",
      [](const FirstRows& rows) {
        return check_rows(rows.simulator, rows.given, !rows.study.observation_noise.is_silent());
@@ -47,9 +38,6 @@ constexpr std::array<Probe<FirstRows>, 5> kProbes = {{
     {"constant_rows",
      [](const FirstRows& rows) { return find_constant_rows(features_of(rows.given.result)); },
      is_foreign},
-    {"late_states",
-     [](const FirstRows& rows) { return find_late_states(rows.given.result, rows.target); },
-     [](const FirstRows& rows) { return is_foreign(rows) && rows.study.source().gives_motion; }},
     {"program", [](const FirstRows& rows) { return rows.simulator.last_warnings(); }},
 }};
 
@@ -100,20 +88,6 @@ constexpr std::array<Probe<RowsTogether>, 3> kApart = {{
 }  // namespace
 
 Findings find_in_first_rows(const FirstRows& rows) { return find_by(kProbes, rows); }
-
-Findings find_late_states(const sim::Trajectories& x, const Target& recorded) {
-  if (std::ranges::any_of(recorded.rollouts, analysis::begins_at_rest)) return {};
-  Index num_good = 0;
-  for (Index i = 0; i < x.num_rows; ++i) {
-    if (!x.is_ok(i)) continue;
-    if (!begins_late(x, i, recorded)) return {};
-    ++num_good;
-  }
-  if (num_good == 0) return {};
-  return {warning(
-      "every rollout begins with the very state that it was given: wanted are the states after "
-      "each action; where the given one is the first of them, all come a step late")};
-}
 
 Findings find_constant_rows(const RowMatrixF& x) {
   constexpr Index fewest = 8;

@@ -40,11 +40,6 @@ Findings check_rows(RowSimulator& simulator, const GivenRows& rows, bool has_noi
 /// The same of late rows: two are simulated again, the last of them first. Throws as check_rows().
 Findings check_late_rows(RowSimulator& simulator, const GivenRows& rows);
 
-/// That every rollout of x (n, H, T, C), in all rows, begins with the state that the recorded one
-/// began in, though that moves in its first step, in some channel about as far as in others. Wanted
-/// are the states after each action. Rows that aren't finite don't count.
-Findings find_late_states(const sim::Trajectories& x, const Target& recorded);
-
 /// That all rows of x (n, F) are the same, of eight or more, the first of a simulation. Rows that
 /// aren't finite don't count.
 Findings find_constant_rows(const RowMatrixF& x);

@@ -100,7 +100,20 @@ TEST(RecordingFit, SaysThatActionsActLater) {
   EXPECT_GT(size_of(fit(problem, recorded(2), Vector::Constant(1, 1.5)).errors, 2), 1.3);
   const auto cause = likeliest_cause(problem, recorded(2), Vector::Constant(1, 1.5));
   ASSERT_TRUE(cause);
+  EXPECT_EQ(cause->fault, "the device reacted to actions 2 samples late");
   EXPECT_EQ(cause->change, "actions 2 samples later");
+  EXPECT_NEAR(cause->size, 1.0, 0.15);
+}
+
+TEST(RecordingFit, SaysThatActionsAreInAnotherUnit) {
+  const Replay replay = decay;
+  const FitProblem problem{replay, Vector::Constant(1, 0.1), Vector::Constant(1, 5.0),
+                           RowMatrix::Constant(2, 1, kNoise)};
+  Target recording = recorded(0);
+  for (Rollout& rollout : recording.rollouts) rollout.actions *= 1.25;
+  const auto cause = likeliest_cause(problem, recording, Vector::Constant(1, 1.5));
+  ASSERT_TRUE(cause);
+  EXPECT_EQ(cause->fault, "actions were about 1.25 times too large");
   EXPECT_NEAR(cause->size, 1.0, 0.15);
 }
 

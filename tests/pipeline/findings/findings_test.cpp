@@ -155,9 +155,11 @@ TEST_F(Verdicts, ErrorsBeyondTheNoiseOfARecordingFail) {
   EXPECT_EQ(finding_of(Check::fit).severity, Severity::wrong);
   EXPECT_EQ(finding_of(Check::fit).id, "fit.misfit");
   EXPECT_TRUE(has(finding_of(Check::fit).evidence, {"1.9 times the stated noise", "1.15"}));
-  data_.baseline.misfit->cause = "actions 2 samples later";
+  data_.baseline.misfit->cause = "the device reacted to actions 2 samples late";
+  data_.baseline.misfit->change = "actions 2 samples later";
   data_.baseline.misfit->times_of_cause = 1.01;
-  EXPECT_TRUE(has(finding_of(Check::fit).advice, "actions 2 samples later"));
+  EXPECT_EQ(finding_of(Check::fit).id, "fit.cause");
+  EXPECT_TRUE(has(finding_of(Check::fit).evidence, "with actions 2 samples later, 1.01"));
   data_.baseline.misfit = misfit_of(9.0, false, 4.0);
   EXPECT_TRUE(has(finding_of(Check::fit).evidence, "9 times the scatter of neighboring samples"));
 }

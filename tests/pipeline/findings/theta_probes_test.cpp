@@ -173,8 +173,6 @@ TEST(ThetaFaults, AreUnevenDesigns) {
 TEST(ThetaFaults, AreValuesThatTeachNothing) {
   EXPECT_TRUE(has(faults_with([](Index) { return 3.5; }),
                   {"grave: constant (3.5 in all rows)", "Leave a out of [prior]"}));
-  EXPECT_TRUE(has(faults_with([](Index i) { return i % 2 == 0 ? 2.5 : 7.5; }),
-                  {"frequent (0.5 of the rows", "a = 2.5"}));
 }
 
 TEST(ThetaFaults, AreCorrelations) {

@@ -165,6 +165,13 @@ class SpoiledMethod : public Verdicts {
            misfit.left = misfit.of_noise = RowMatrix::Ones(10, 2);
            if (n.size() > 2) misfit.left.row(Index(n[2])).setConstant(10.0);
          }},
+        {"late_rates",
+         [&] {
+           RecordingMisfit& misfit = *data_.baseline.misfit;
+           misfit.cause = "rates were recorded 3 samples late";
+           misfit.change = "rates 3 samples earlier";
+           misfit.times_of_cause = n.at(0);
+         }},
         {"truth", [&] { add_point("truth", n.at(0)); }},
         {"prior_rmse", [&] { data_.baseline.prior->metrics["rmse"].setConstant(n.at(0)); }},
         {"prior_crps",
