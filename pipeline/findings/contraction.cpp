@@ -184,7 +184,7 @@ Findings find_contradicting_seeds(const MethodResults& m) {
                .what = fmt::format("seeds disagree about {}, each as sure as if it were right",
                                    listed(parameters)),
                .evidence = "their means differ by " + distance_text(largest, most),
-               .advice = "Draw from all seeds together, as npdr sample does"};
+               .advice = "Use the samples of npdr sample, which mixes all seeds"};
   return {largest > far_too_much ? fails(std::move(said)) : passes(std::move(said))};
 }
 
@@ -204,14 +204,14 @@ Findings find_contradicting_methods(const MethodResults& m) {
     const double distance = distances.maxCoeff(&farthest);
     if (!(distance > most)) continue;
     const Index d = inferred[static_cast<std::size_t>(farthest)];
-    others.push_back(fmt::format("{} another {}", name, m.data.marginal(d).name));
+    others.push_back(fmt::format("{} finds another {}", name, m.data.marginal(d).name));
     largest = std::max(largest, distance);
   }
   if (others.empty()) return {};
   const bool can_hold_out = (m.study.source().gives_motion && m.data.target.num_rollouts() > 1) ||
                             m.data.held_out || !m.data.folds.empty();
   return {passes({.id = "methods",
-                  .what = fmt::format("other methods find other values, {}", listed(others)),
+                  .what = fmt::format("methods disagree: {}", listed(others)),
                   .evidence = "means differ by " + distance_text(largest, most),
                   .advice = can_hold_out ? "Use the method that predicts held-out rollouts best"
                                          : advice_to_learn(m)})};
@@ -249,8 +249,8 @@ Findings judge<Check::contraction>(const MethodResults& m) {
       unchanged.push_back(m.data.marginal(d).name);
     }
   }
-  const std::string evidence =
-      fmt::format("up to {:.3g} (0: as wide as the prior, 1: known exactly)", largest);
+  const std::string evidence = fmt::format(
+      "contraction at most {:.3g} (0: as wide as the prior, 1: known exactly)", largest);
   if (unchanged.size() == m.inferred().size()) {
     return {fails({.id = "prior",
                    .what = "nothing was learned: the posterior is the prior",

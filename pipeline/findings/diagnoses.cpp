@@ -44,8 +44,8 @@ Finding too_few_ranks(const Diagnosis& found, double level) {
 }
 
 Finding words_of_ranks(const Study& /*study*/, const Diagnosis& /*found*/, std::uint64_t seed) {
-  return {.what = fmt::format("the error bars are at the wrong place or of the wrong width (seed "
-                              "{})",
+  return {.what = fmt::format("in simulated tests error bars are at the wrong place or of the "
+                              "wrong width (seed {})",
                               seed),
           .advice = kCalibrationAdvice};
 }
@@ -237,9 +237,10 @@ std::optional<Finding> overstated_noise(const ReportData& data) {
   return Finding{
       .id = "noise",
       .what = "error bars are too wide, as observation_noise is larger than the recording's noise",
-      .evidence = fmt::format("the best parameters leave {} times the stated noise (fine from "
-                              "{:.2g} on)",
-                              short_number(left->times), least * left->expected),
+      .evidence =
+          fmt::format("the best parameters leave errors of {} times the stated noise (fine from "
+                      "{:.2g} on)",
+                      short_number(left->times), least * left->expected),
       .advice = fmt::format("Multiply scale or std in [observation_noise] by {}",
                             short_number(left->times / left->expected))};
 }
@@ -269,7 +270,7 @@ Findings judge<Check::width>(const MethodResults& m) {
     parameter = m.study.prior[static_cast<std::size_t>(d)].name;
   }
   const std::string size = fmt::format(
-      "{} times the width that one observation leaves (fine up to "
+      "{} times the width expected from this observation (fine up to "
       "{})",
       short_number(largest), short_number(limit));
   if (failed == 0) return {passes({.evidence = size})};

@@ -155,7 +155,7 @@ Findings judge<Check::fit>(const MethodResults& m) {
   if (worst.astray > 0) {
     return {fails(
         {.id = "strays",
-         .what = "some samples are far off, in a mode that is not there",
+         .what = "some samples are far off, in a false second peak",
          .evidence = fmt::format(
              "{:.0f} % of them fit worse than a typical draw of the prior (fine "
              "up to {:.0f} %){}",

@@ -99,7 +99,7 @@ Findings judge<Check::held_out>(const MethodResults& m) {
     return {fails(
         {.id = "narrow",
          .what = "error bars of predictions are too small, by held-out rollouts",
-         .evidence = bands + " (no prediction of a sample has so few)" + seeds_text(narrow, all),
+         .evidence = bands + " (simulated recordings never have so few)" + seeds_text(narrow, all),
          .advice = advice_to_widen(m)})};
   }
   if (worse > 0) {

@@ -37,7 +37,7 @@ std::string size_text(double times) {
 }
 
 std::string evidence_of(const RecordingMisfit& m) {
-  return fmt::format("the best parameters leave {} times the {} (fine up to {:.3g})",
+  return fmt::format("the best parameters leave errors of {} times the {} (fine up to {:.3g})",
                      size_text(m.times),
                      m.noise_is_given ? "stated noise" : "scatter of neighboring samples", m.limit);
 }
@@ -72,7 +72,7 @@ Finding words_of_misfit(const ReportData& data) {
   return {.id = "misfit",
           .what = "your simulator does not explain the recording" + where,
           .evidence = evidence_of(m),
-          .advice = "Look for friction, a delay or a wrong clock"};
+          .advice = "Look for friction, a delay, a wrong clock or noise that is stated too small"};
 }
 
 }  // namespace npdr::pipeline

@@ -23,7 +23,7 @@ Findings judge_weights(const MethodResults& m) {
       fmt::format("effective size {:.3g} (fine from {:.0f} on)", sizes.minCoeff(), fewest);
   if (failed == 0) return {passes({.evidence = size})};
   return {fails({.id = "weights",
-                 .what = "the samples repeat too few different draws",
+                 .what = "many samples are copies of a few",
                  .evidence = size + seeds_text(failed, m.runs.size()),
                  .advice = "Raise num_candidates in [method.sampler]"})};
 }
@@ -62,7 +62,7 @@ Findings remarks_on_power(const MethodResults& m, double power) {
       {.id = "power",
        .what = is_chosen ? "cross-validation trusts the simulator so little that the recording "
                            "hardly counts"
-                         : "the recording hardly counts at this likelihood_power",
+                         : "the recording hardly counts, as likelihood_power is so low",
        .evidence = evidence,
        .advice = is_chosen || m.data.target.num_rollouts() < 2
                      ? advice_on_model(m.study)
@@ -143,13 +143,15 @@ Findings judge_pool(const MethodResults& m) {
     failed += share < least ? 1 : 0;
     if (share >= smallest) continue;
     smallest = share;
-    power = fmt::format("NLE keeps a weight of {:.2g} (fine from {:.2g} on)", left, least * wanted);
+    power =
+        fmt::format("the weight of NLE fell to {:.2g} (fine from {:.2g} on)", left, least * wanted);
   }
   if (failed == 0) return {passes({.evidence = power})};
-  return {fails({.id = "pool",
-                 .what = "the networks NPE and NLE disagree about this observation",
-                 .evidence = power + seeds_text(failed, m.runs.size()),
-                 .advice = advice_on_noise(m.study, advice_on_model(m.study))})};
+  return {fails(
+      {.id = "pool",
+       .what = "the two networks, NPE and NLE, find different parameters for this observation",
+       .evidence = power + seeds_text(failed, m.runs.size()),
+       .advice = advice_on_noise(m.study, advice_on_model(m.study))})};
 }
 
 Findings judge_chains(const MethodResults& m) {
@@ -166,10 +168,12 @@ Findings judge_chains(const MethodResults& m) {
   const std::string size =
       fmt::format("R-hat {:.3f} (fine up to {:.1f})", r_hats.maxCoeff(), inference::kLargestRHat);
   if (failed == 0) return {passes({.evidence = size})};
-  return {fails({.id = "chains",
-                 .what = "Markov chains have stayed in different places",
-                 .evidence = size + seeds_text(failed, m.runs.size()),
-                 .advice = "Raise num_warmup in [method.sampler]"})};
+  return {fails(
+      {.id = "chains",
+       .what =
+           "the Markov chains that sample stayed in different places, so that samples are wrong",
+       .evidence = size + seeds_text(failed, m.runs.size()),
+       .advice = "Raise num_warmup in [method.sampler]"})};
 }
 
 }  // namespace
