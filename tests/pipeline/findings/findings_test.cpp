@@ -259,7 +259,8 @@ TEST_F(Contradictions, OfEachMethodAreSaidByItsFarthestParameter) {
   add_method("NPDR (MoG)", 1.1);
   add_method("Third", 1.1).col(1) = samples_around(1.2, 0.02).col(1);
   EXPECT_TRUE(
-      has(reason(), {"NPDR (MoG) another pole_mass and Third another pole_length", "7.1 times"}));
+      has(reason(),
+          {"NPDR (MoG) finds another pole_mass and Third finds another pole_length", "7.1 times"}));
 }
 
 // Seeds that lie apart widen what they say together, but not what any of them is sure of.
@@ -267,7 +268,7 @@ TEST_F(Contradictions, OfMethodsAreSaidWhereSeedsContradictEachOther) {
   data_.seeds = {1, 2};
   add_method("NPDR (MoG)", 1.07);
   add_run_of("NPDR (MoG)", 1.15).use.seed = 2;
-  EXPECT_TRUE(has(reason(), {"NPDR (MoG) another pole_mass", "3.9 times"}));
+  EXPECT_TRUE(has(reason(), {"NPDR (MoG) finds another pole_mass", "3.9 times"}));
 }
 
 TEST_F(Contradictions, ArentThoseOfWhatIsKnownOfSamplesWithoutWidthOrOfLoops) {
