@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 
 #include "core/constants.h"
 #include "core/error.h"
@@ -54,36 +55,38 @@ std::optional<Index> outlier_of(const Vector& values) {
   return means_of(values, largest, largest + 1).is_far() ? std::optional(largest) : std::nullopt;
 }
 
-Target moved(Target target, Index samples) {
+using Values = RowMatrix Rollout::*;  // states or actions
+
+// With values as they were `samples` before, the first of all standing for those before it; or
+// later, the last.
+void move_column(Target& target, Values values, Index column, Index samples) {
   for (Rollout& rollout : target.rollouts) {
-    const RowMatrix actions = rollout.actions;
-    for (Index t = 0; t < actions.rows(); ++t) {
-      rollout.actions.row(t) = actions.row(std::clamp<Index>(t - samples, 0, actions.rows() - 1));
+    const Vector before = (rollout.*values).col(column);
+    for (Index t = 0; t < before.size(); ++t) {
+      (rollout.*values)(t, column) = before(std::clamp<Index>(t - samples, 0, before.size() - 1));
     }
+  }
+}
+
+bool is_rate(const Channel& channel) { return channel.unit.ends_with("/s"); }
+
+Target with_later_actions(Target target, Index samples) {
+  for (Index c = 0; c < target.num_actions(); ++c) {
+    move_column(target, &Rollout::actions, c, samples);
   }
   return target;
 }
 
-Target with_earlier_rates(Target target, Index samples) {
+Target with_later_rates(Target target, Index samples) {
   for (Index c = 0; c < target.num_states(); ++c) {
-    if (!target.state_channels[static_cast<std::size_t>(c)].unit.ends_with("/s")) continue;
-    for (Rollout& rollout : target.rollouts) {
-      const Vector rates = rollout.states.col(c);
-      for (Index t = 0; t < rates.size(); ++t) {
-        rollout.states(t, c) = rates(std::clamp<Index>(t + samples, 0, rates.size() - 1));
-      }
-    }
+    if (!is_rate(target.state_channels[static_cast<std::size_t>(c)])) continue;
+    move_column(target, &Rollout::states, c, samples);
   }
   return target;
 }
 
-Target with_actions_times(Target target, double factor) {
-  for (Rollout& rollout : target.rollouts) rollout.actions *= factor;
-  return target;
-}
-
-Target with_states_times(Target target, double factor) {
-  for (Rollout& rollout : target.rollouts) rollout.states *= factor;
+Target scaled(Target target, Values values, double factor) {
+  for (Rollout& rollout : target.rollouts) rollout.*values *= factor;
   return target;
 }
 
@@ -95,47 +98,47 @@ Target with_time_step(Target target, double dt) {
 enum class Kind { actions, rates, clock, action_scale, state_scale };
 constexpr std::size_t kNumKinds = 5;
 
-struct ChangedRecording {
+// A change of a recording, which is made when it is needed: recordings may be large.
+struct Change {
   Kind kind;
   Cause cause;
-  Target target;
+  std::function<Target(const Target&)> of;
   double unit = 1.0;  // of its errors
-  double size = 0.0;  // of these, after a step
 };
 
-void add_moved(std::vector<ChangedRecording>& changed, const Target& recording) {
+void add_moved(std::vector<Change>& changes, const Target& recording) {
   constexpr Index most_samples = 5;
-  const bool has_rates = std::ranges::any_of(
-      recording.state_channels, [](const Channel& c) { return c.unit.ends_with("/s"); });
+  const bool has_rates = std::ranges::any_of(recording.state_channels, is_rate);
   for (Index k = 1; k <= most_samples; ++k) {
     const std::string samples = fmt::format("{} sample{}", k, k == 1 ? "" : "s");
-    if (recording.num_actions() > 0) {
-      changed.push_back(
-          {Kind::actions,
-           {"the device reacted to actions " + samples + " late", "actions " + samples + " later"},
-           moved(recording, k)});
-      changed.push_back(
-          {Kind::actions,
-           {"actions were recorded " + samples + " late", "actions " + samples + " earlier"},
-           moved(recording, -k)});
+    for (const Index later : {k, -k}) {
+      const std::string change = samples + (later > 0 ? " later" : " earlier");
+      if (recording.num_actions() > 0) {
+        const std::string fault =
+            later > 0 ? "the device reacted to actions " : "actions were recorded ";
+        changes.push_back({Kind::actions,
+                           {fault + samples + " late", "actions " + change},
+                           [later](const Target& t) { return with_later_actions(t, later); }});
+      }
+      if (!has_rates) continue;
+      changes.push_back(
+          {Kind::rates,
+           {"rates were recorded " + samples + (later > 0 ? " early" : " late"), "rates " + change},
+           [later](const Target& t) { return with_later_rates(t, later); }});
     }
-    if (!has_rates) continue;
-    changed.push_back(
-        {Kind::rates,
-         {"rates were recorded " + samples + " late", "rates " + samples + " earlier"},
-         with_earlier_rates(recording, k)});
-    changed.push_back({Kind::rates,
-                       {"rates were recorded " + samples + " early", "rates " + samples + " later"},
-                       with_earlier_rates(recording, -k)});
   }
 }
 
-void add_scaled(std::vector<ChangedRecording>& changed, const Target& recording) {
+void add_scaled(std::vector<Change>& changes, const Target& recording) {
+  const auto add = [&](Kind kind, Values values, Cause cause, double factor) {
+    const double unit = kind == Kind::state_scale ? factor : 1.0;
+    changes.push_back(
+        {kind, std::move(cause), [=](const Target& t) { return scaled(t, values, factor); }, unit});
+  };
   const bool has_actions = recording.num_actions() > 0;
   if (has_actions) {
-    changed.push_back({Kind::action_scale,
-                       {"actions had the opposite sign", "actions of the other sign"},
-                       with_actions_times(recording, -1.0)});
+    add(Kind::action_scale, &Rollout::actions,
+        {"actions had the opposite sign", "actions of the other sign"}, -1.0);
   }
   for (const double factor : {0.8, 0.9, 1.1, 1.25}) {
     const std::string fault =
@@ -143,30 +146,25 @@ void add_scaled(std::vector<ChangedRecording>& changed, const Target& recording)
                     factor < 1.0 ? "large" : "small");
     const std::string change = fmt::format(" {} times as large", factor);
     if (has_actions) {
-      changed.push_back({Kind::action_scale,
-                         {"actions" + fault, "actions" + change},
-                         with_actions_times(recording, factor)});
+      add(Kind::action_scale, &Rollout::actions, {"actions" + fault, "actions" + change}, factor);
     }
-    changed.push_back({Kind::state_scale,
-                       {"states" + fault, "states" + change},
-                       with_states_times(recording, factor),
-                       factor});
+    add(Kind::state_scale, &Rollout::states, {"states" + fault, "states" + change}, factor);
   }
 }
 
-std::vector<ChangedRecording> changed_recordings(const Target& recording) {
-  std::vector<ChangedRecording> changed;
-  add_moved(changed, recording);
+std::vector<Change> changes_of(const Target& recording) {
+  std::vector<Change> changes;
+  add_moved(changes, recording);
   for (const double factor : {0.9, 0.92, 0.94, 0.96, 0.98, 1.02, 1.04, 1.06, 1.08, 1.1}) {
     const double dt = factor * recording.dt;
     const std::string step = fmt::format("{:.4g} s", dt);
-    changed.push_back({Kind::clock,
+    changes.push_back({Kind::clock,
                        {fmt::format("time steps were {}, not {:.4g} s", step, recording.dt),
                         "time steps of " + step},
-                       with_time_step(recording, dt)});
+                       [dt](const Target& t) { return with_time_step(t, dt); }});
   }
-  add_scaled(changed, recording);
-  return changed;
+  add_scaled(changes, recording);
+  return changes;
 }
 
 }  // namespace
@@ -254,23 +252,26 @@ std::optional<Cause> likeliest_cause(const FitProblem& problem, const Target& re
   in_parts.segment_length = first_length(problem, recording);
   const Fit start = fit(in_parts, recording, theta);
   if (start.errors.size() == 0) return std::nullopt;
-  std::array<std::optional<ChangedRecording>, kNumKinds> best_of_kinds;
-  for (ChangedRecording& changed : changed_recordings(recording)) {
-    const RowMatrix errors = errors_after_step(in_parts, changed.target, start);
+  const std::vector<Change> changes = changes_of(recording);
+  std::array<const Change*, kNumKinds> best_of_kinds{};
+  Vector sizes = Vector::Constant(kNumKinds, kInfinity);
+  for (const Change& change : changes) {
+    const RowMatrix errors = errors_after_step(in_parts, change.of(recording), start);
     if (errors.size() == 0) continue;  // the simulator refuses it
-    changed.size = size_of(errors, recording.num_rollouts()) / changed.unit;
-    auto& best = best_of_kinds[static_cast<std::size_t>(changed.kind)];
-    if (std::isfinite(changed.size) && (!best || changed.size < best->size)) best = changed;
+    const double size = size_of(errors, recording.num_rollouts()) / change.unit;
+    if (!(size < sizes(static_cast<Index>(change.kind)))) continue;
+    sizes(static_cast<Index>(change.kind)) = size;
+    best_of_kinds[static_cast<std::size_t>(change.kind)] = &change;
   }
   constexpr double clearly = 0.98;  // less: of linear motion scales of actions and states are one
   std::optional<Cause> likeliest;
-  for (const auto& changed : best_of_kinds) {
-    if (!changed) continue;
-    const Fit found = fit(problem, changed->target, start.theta);
+  for (const Change* change : best_of_kinds) {
+    if (change == nullptr) continue;
+    const Fit found = fit(problem, change->of(recording), start.theta);
     if (found.errors.size() == 0) continue;
-    const double left = size_of(found.errors, recording.num_rollouts()) / changed->unit;
+    const double left = size_of(found.errors, recording.num_rollouts()) / change->unit;
     if (likeliest && !(left < clearly * likeliest->size)) continue;
-    likeliest = changed->cause;
+    likeliest = change->cause;
     likeliest->size = left;
   }
   return likeliest;

@@ -337,7 +337,7 @@ def prior_elsewhere(r):
 
 
 # What was done, and the words of a finding, or of its id, that name it.
-UNITS, LACK, NOISE = r"--scale|times as fast", r"lack|simulator does not explain", r"noise"
+UNITS, LACK, NOISE = r"--scale|times as fast", r"lack", r"noise"
 FAULTS = {
     "position_x1.1": (scales(1.1, lambda n: range(n)), UNITS),
     "states_x1.1": (scales(1.1, lambda n: range(2 * n)), UNITS + "|states were about"),

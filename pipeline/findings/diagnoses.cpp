@@ -223,9 +223,8 @@ double wanted_excess(const MethodResults& m) {
   return 1.0 / std::sqrt(power);
 }
 
-// Noise of a recording is what the best parameters leave of it. Right studies leave 0.76 times
-// theirs and more. The size of heavy tails may be that of a few numbers, which a recording needn't
-// have.
+// Noise of a recording is what the best parameters leave of it. The size of heavy tails may be that
+// of a few numbers, which a recording needn't have.
 std::optional<Finding> overstated_noise(const ReportData& data) {
   constexpr double least = 0.75, num_deviations = 3.0;
   const ObservationNoise& stated = data.plan.study.observation_noise;

@@ -23,14 +23,6 @@ std::string time_of(const analysis::Concentration& worst, const RecordingMisfit&
   return fmt::format(" between {} and {} s", short_number(begin), short_number(end));
 }
 
-}  // namespace
-
-std::string short_number(double value) {
-  return value < 10.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
-}
-
-namespace {
-
 // Times the noise, with three digits where it is near a limit.
 std::string size_text(double times) {
   return times < 10.0 ? fmt::format("{:.3g}", times) : short_number(times);
@@ -43,6 +35,10 @@ std::string evidence_of(const RecordingMisfit& m) {
 }
 
 }  // namespace
+
+std::string short_number(double value) {
+  return value < 10.0 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
+}
 
 std::optional<Finding> words_of_cause(const ReportData& data) {
   // About as good as a right simulator, or most of the rest taken away.
@@ -72,7 +68,9 @@ Finding words_of_misfit(const ReportData& data) {
   return {.id = "misfit",
           .what = "your simulator does not explain the recording" + where,
           .evidence = evidence_of(m),
-          .advice = "Look for friction, a delay, a wrong clock or noise that is stated too small"};
+          .advice = m.noise_is_given
+                        ? "Look for friction, a delay, a wrong clock or too small a stated noise"
+                        : "Look for friction, a delay or a wrong clock"};
 }
 
 }  // namespace npdr::pipeline

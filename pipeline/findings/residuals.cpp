@@ -36,9 +36,7 @@ Finding words_of_residuals(const MethodResults& m, const EvaluatedRun& run) {
   const bool lasts = found.memory(c) > std::max(1.3, found.size(c));
   std::string fault = "are not like the stated noise", advice = advice_on_model(m.study);
   if (lasts) {
-    fault =
-        fmt::format("last for {:.3g} time steps, unlike noise, so that error bars are too small",
-                    found.memory(c));
+    fault = fmt::format("last for {:.3g} time steps, unlike noise", found.memory(c));
   } else if (found.size(c) > 1.3) {
     fault = fmt::format("are {:.3g} times the stated noise", std::sqrt(found.size(c)));
   }

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "core/constants.h"
 #include "core/random.h"
@@ -75,7 +79,7 @@ Target recorded(Index late) {
     target.rollouts.push_back({"", RowMatrix::Ones(201, 1), actions});
     RowMatrix& states = target.rollouts.back().states;
     for (Index t = 0; t < 200; ++t) {
-      const double applied = actions(std::max<Index>(0, t - late), 0);
+      const double applied = actions(std::clamp<Index>(t - late, 0, 199), 0);
       states(t + 1, 0) = states(t, 0) + kStep * (applied - 1.5 * states(t, 0));
     }
     states += kNoise * white(201, 1, static_cast<std::uint64_t>(h));
@@ -83,41 +87,46 @@ Target recorded(Index late) {
   return target;
 }
 
-TEST(RecordingFit, FindsParametersAndLeavesTheNoise) {
-  const Replay replay = decay;
-  const FitProblem problem{replay, Vector::Constant(1, 0.1), Vector::Constant(1, 5.0),
-                           RowMatrix::Constant(2, 1, kNoise)};
-  const Fit found = fit(problem, recorded(0), Vector::Constant(1, 3.0));
+class RecordingFit : public testing::Test {
+ protected:
+  const Replay replay_ = decay;
+  const FitProblem problem_{replay_, Vector::Constant(1, 0.1), Vector::Constant(1, 5.0),
+                            RowMatrix::Constant(2, 1, kNoise)};
+};
+
+TEST_F(RecordingFit, FindsParametersAndLeavesTheNoise) {
+  const Fit found = fit(problem_, recorded(0), Vector::Constant(1, 3.0));
   EXPECT_NEAR(found.theta(0), 1.5, 0.05);
   EXPECT_NEAR(size_of(found.errors, 2), 1.0, 0.15);
   EXPECT_EQ(found.segment_length, 200);
+  EXPECT_GT(size_of(fit(problem_, recorded(2), Vector::Constant(1, 1.5)).errors, 2), 1.3);
 }
 
-TEST(RecordingFit, SaysThatActionsActLater) {
-  const Replay replay = decay;
-  const FitProblem problem{replay, Vector::Constant(1, 0.1), Vector::Constant(1, 5.0),
-                           RowMatrix::Constant(2, 1, kNoise)};
-  EXPECT_GT(size_of(fit(problem, recorded(2), Vector::Constant(1, 1.5)).errors, 2), 1.3);
-  const auto cause = likeliest_cause(problem, recorded(2), Vector::Constant(1, 1.5));
-  ASSERT_TRUE(cause);
-  EXPECT_EQ(cause->fault, "the device reacted to actions 2 samples late");
-  EXPECT_EQ(cause->change, "actions 2 samples later");
-  EXPECT_NEAR(cause->size, 1.0, 0.15);
+// A step of a linear device tells no scale of states from one of actions, which come first.
+TEST_F(RecordingFit, NamesTheFaultOfARecording) {
+  const auto with = [](Target target, double of_actions, double of_time) {
+    for (Rollout& rollout : target.rollouts) rollout.actions *= of_actions;
+    target.dt *= of_time;
+    return target;
+  };
+  const std::vector<std::tuple<Target, std::string, std::string>> cases = {
+      {recorded(2), "the device reacted to actions 2 samples late", "actions 2 samples later"},
+      {recorded(-3), "actions were recorded 3 samples late", "actions 3 samples earlier"},
+      {with(recorded(0), 1.25, 1.0), "actions were about 1.25 times too large",
+       "actions 0.8 times as large"},
+      {with(recorded(0), -1.0, 1.0), "actions had the opposite sign", "actions of the other sign"},
+      {with(recorded(0), 1.0, 1.06), "time steps were 0.04982 s, not 0.053 s",
+       "time steps of 0.04982 s"}};
+  for (const auto& [recording, fault, change] : cases) {
+    const auto cause = likeliest_cause(problem_, recording, Vector::Constant(1, 1.5));
+    ASSERT_TRUE(cause) << fault;
+    EXPECT_EQ(cause->fault, fault);
+    EXPECT_EQ(cause->change, change);
+    EXPECT_NEAR(cause->size, 1.0, 0.15) << fault;
+  }
 }
 
-TEST(RecordingFit, SaysThatActionsAreInAnotherUnit) {
-  const Replay replay = decay;
-  const FitProblem problem{replay, Vector::Constant(1, 0.1), Vector::Constant(1, 5.0),
-                           RowMatrix::Constant(2, 1, kNoise)};
-  Target recording = recorded(0);
-  for (Rollout& rollout : recording.rollouts) rollout.actions *= 1.25;
-  const auto cause = likeliest_cause(problem, recording, Vector::Constant(1, 1.5));
-  ASSERT_TRUE(cause);
-  EXPECT_EQ(cause->fault, "actions were about 1.25 times too large");
-  EXPECT_NEAR(cause->size, 1.0, 0.15);
-}
-
-TEST(RecordingFit, LeavesOutChangesThatASimulatorRefuses) {
+TEST_F(RecordingFit, LeavesOutChangesThatASimulatorRefuses) {
   const Replay replay = [](const Target& target, Index segment_length,
                            const RowMatrix& theta) -> RowMatrix {
     RowMatrix states = decay(target, segment_length, theta);
