@@ -188,10 +188,17 @@ void import_recording(const ImportArguments& arguments) {
   if (arguments.files.empty()) {
     throw InputError("name recordings, CSV files with a rollout each, or --theta and --x");
   }
-  // A window behind a blank is read as a file: whether there is one is optional.
+  // A window behind a blank is read as a file: whether there is one is optional. So is a second
+  // factor of --scale.
   for (const std::string& file : arguments.files) {
-    if (arguments.window.empty() || !parse_count(file) || std::filesystem::exists(file)) continue;
-    throw InputError(file + ": isn't there; if it is a window, write --differentiate=" + file);
+    if (std::filesystem::exists(file)) continue;
+    if (!arguments.window.empty() && parse_count(file)) {
+      throw InputError(file + ": isn't there; if it is a window, write --differentiate=" + file);
+    }
+    if (!arguments.scales.empty() && file.find('=') != std::string::npos) {
+      throw InputError(file + ": isn't there; if it is a factor, write --scale " +
+                       join(arguments.scales, ",") + "," + file);
+    }
   }
   const auto [target, findings] =
       import_csv({arguments.files.begin(), arguments.files.end()}, csv_options(arguments));

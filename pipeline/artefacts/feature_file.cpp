@@ -115,9 +115,11 @@ Target read_observation(const std::filesystem::path& path, const std::vector<Cha
   for (Index f = 0; f < rows.x.cols(); ++f) {
     // As a float32, too: that is what it becomes.
     if (std::isfinite(static_cast<float>(rows.x(0, f)))) continue;
-    throw InputError(fmt::format("{}: '{}' = {}, must be a number of magnitude {:g} or less",
-                                 path.string(), rows.features[static_cast<std::size_t>(f)].label,
-                                 rows.x(0, f), std::numeric_limits<float>::max()));
+    throw InputError(
+        fmt::format("{}: '{}' = {}, must be a number up to {:g}: leave out what "
+                    "wasn't measured, here and of what is simulated",
+                    path.string(), rows.features[static_cast<std::size_t>(f)].label, rows.x(0, f),
+                    std::numeric_limits<float>::max()));
   }
   return target;
 }

@@ -77,10 +77,11 @@ double even_step(const std::vector<CsvRows>& files, const std::optional<double>&
 
 /// A rollout at the times of such rows on an even grid t_0 + k dt, which begins at the first time
 /// and ends before, or at, the last one. States are interpolated linearly. An action is held from
-/// its time to the next one, so each step gets the one that is held in its middle: the one that
-/// acts for most of it, also when times are rounded. `dt` [s] > 0. Throws InputError unless the
-/// times increase, without a gap of more than ten steps: dt, or the usual one where that is longer;
-/// for a dt longer than the whole duration, and for one that makes thousands of rows of each.
+/// its time to the next one; each step gets the mean of those that are held during it, so that one
+/// that is switched between two times of the grid acts for as long as it did. `dt` [s] > 0. Throws
+/// InputError unless the times increase, without a gap of more than ten steps: dt, or the usual one
+/// where that is longer; for a dt longer than the whole duration, and for one that makes thousands
+/// of rows of each.
 Rollout resampled(const CsvRows& rows, const Rollout& rollout, double dt);
 
 }  // namespace npdr::pipeline

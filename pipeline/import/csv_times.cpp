@@ -99,6 +99,20 @@ Index interval_of(const std::vector<double>& times, double time) {
   return std::clamp<Index>(row, 0, static_cast<Index>(times.size()) - 2);
 }
 
+// Mean of the actions from `begin` to `begin + dt`, each of which is held until the next row's
+// time.
+Vector mean_action(const std::vector<double>& times, const RowMatrix& actions, double begin,
+                   double dt) {
+  const Index first = interval_of(times, begin);
+  Vector mean = actions.row(first).transpose();  // exactly where it is held all the while
+  for (Index row = first + 1; row < actions.rows(); ++row) {
+    const double switched = times[static_cast<std::size_t>(row)] - begin;
+    if (switched >= dt) break;
+    mean += (1.0 - switched / dt) * (actions.row(row) - actions.row(row - 1)).transpose();
+  }
+  return mean;
+}
+
 Index num_steps_of(const CsvRows& rows, double dt) {
   const double steps = (rows.times.back() - rows.times.front()) / dt;
   const double most = kMostRowsPerRow * static_cast<double>(rows.times.size());
@@ -147,7 +161,8 @@ Rollout resampled(const CsvRows& rows, const Rollout& rollout, double dt) {
     const double length = times[static_cast<std::size_t>(row + 1)] - begin;
     const double part = std::clamp((time - begin) / length, 0.0, 1.0);
     even.states.row(k) = (1.0 - part) * states.row(row) + part * states.row(row + 1);
-    if (k < num_steps) even.actions.row(k) = actions.row(interval_of(times, time + 0.5 * dt));
+    if (k == num_steps) break;
+    even.actions.row(k) = mean_action(times, actions, time, dt).transpose();
   }
   return even;
 }

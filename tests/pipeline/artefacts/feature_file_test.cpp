@@ -99,7 +99,7 @@ TEST_F(FeatureFiles, AnObservationIsOneFiniteRow) {
   EXPECT_EQ(target.num_steps(), 1);
   EXPECT_EQ(target.rollouts.front().states.row(1), Eigen::RowVector2d(3, 4));
   target.check("x_o");
-  const std::string must = ", must be a number of magnitude 3.40282e+38";
+  const std::string must = ", must be a number up to 3.40282e+38: leave out";
   for (const auto& [text, said] :
        {std::pair<std::string, std::string>{"a,b\n1,nan\n", "'b' = nan" + must},
         {"1,2\n3,4\n", "has more than 1 row, must have 1"},
