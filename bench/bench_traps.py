@@ -160,7 +160,7 @@ def methods_of(folder):
     """Those of the study, and the fit that a recorded motion has by itself."""
     text = (folder / "study.toml").read_text()
     named = re.findall(r'\[\[method\]\]\nname = "(\w+)"', text)
-    return named if named == ["dataset"] else [FIT, *named]
+    return named if named == ["dataset"] or "floor = false" in text else [FIT, *named]
 
 
 class Outcome:

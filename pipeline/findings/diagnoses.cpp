@@ -90,6 +90,15 @@ Finding words_of(const inference::TrainingCheck& check, const inference::Trainin
           .advice = "Lower learning_rate in [method.training]"};
 }
 
+// "603.41 on average (observed 603.52)": with as many digits as the difference needs.
+std::string words_of_difference(double median, double observed) {
+  constexpr double least = 1e-12;
+  const double size = std::max(std::abs(median), std::abs(observed));
+  const double difference = std::max(std::abs(median - observed), least * size);
+  const int more = size > 0.0 ? static_cast<int>(std::log10(size / difference)) : 0;
+  return fmt::format("{:.{}g} on average (observed {:.{}g})", median, 3 + more, observed, 3 + more);
+}
+
 Finding words_of_prediction(const Study& study, const Diagnosis& found, std::uint64_t seed) {
   const PredictiveResult& predictive = *found.predictive;
   if (predictive.median.hasNaN()) {
@@ -104,8 +113,7 @@ Finding words_of_prediction(const Study& study, const Diagnosis& found, std::uin
   return {.what = fmt::format("simulations of the samples are unlike the observation, most in {} "
                               "(seed {})",
                               predictive.names[static_cast<std::size_t>(worst)], seed),
-          .evidence = fmt::format("{:.3g} on average (observed {:.3g})", predictive.median(worst),
-                                  predictive.observed(worst)),
+          .evidence = words_of_difference(predictive.median(worst), predictive.observed(worst)),
           .advice = advice_on_noise(study, advice_on_model(study))};
 }
 

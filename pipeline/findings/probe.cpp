@@ -119,6 +119,9 @@ Finding judge_p_value(const MethodResults& m, const PValueProbe& probe) {
 
 std::string advice_to_learn(const MethodResults& m) {
   if (m.is(inference::Algorithm::refine)) return "Raise max_simulations in [method.refine]";
+  if (family_of(m.method) == inference::AlgorithmFamily::fit) {
+    return "Raise max_simulations in [method.least_squares]";
+  }
   using enum inference::EmbeddingKind;
   const inference::EmbeddingKind kind = m.method.embedding.kind;
   const bool sees_all = m.method.embedding.trains_layers() || kind == all_steps || kind == identity;
