@@ -12,6 +12,7 @@ constexpr double kConverged = 0.01;        // [nats] that another step would tak
 constexpr double kSame = 0.05;             // of u, between starts that have met
 constexpr double kLongestStep = 2.0;       // of u
 constexpr double kFirstMove = 1e-3;        // of u, for differences
+constexpr double kOwnMove = 0.25;          // of unknowns of blocks
 constexpr std::size_t kNumTrials = 3;      // damped steps that are tried at once
 constexpr double kDampingRatio = 8.0;      // between them
 constexpr double kMostDamping = 1e8;       // no step helps
@@ -27,40 +28,28 @@ std::vector<Search*> active(std::vector<Search>& searches) {
   return found;
 }
 
-Index rows_of_step(Index dimension) { return dimension + static_cast<Index>(kNumTrials); }
+Index rows_of_step(const Simulations& simulations, Index dimension) {
+  return simulations.rows_of_slopes(dimension) + static_cast<Index>(kNumTrials);
+}
 
-Index rows_of_curvature(Index dimension) { return 2 * dimension; }
+Index rows_of_curvature(const Simulations& simulations, Index dimension) {
+  return 2 * simulations.rows_of_slopes(dimension);
+}
 
-// Curvature and gradient of each.
+// Normal equations of each, and the next moves.
 void differentiate(Simulations& simulations, const std::vector<Search*>& searches) {
-  const StudentErrors& noise = simulations.problem().noise;
-  const std::vector<RowMatrix> slopes = simulations.slopes(searches);
+  const LeastSquaresProblem& problem = simulations.problem();
+  std::vector<RowMatrix> slopes = simulations.slopes(searches);
   for (std::size_t s = 0; s < searches.size(); ++s) {
     Search& search = *searches[s];
     const Point& at = search.at;
-    const RowMatrix weights = noise.weights(at.errors, at.scales);
-    search.curvature = curvature(slopes[s], weights, at.scales);
-    const RowMatrix scores =
-        noise.scores(at.errors, at.scales) * at.scales.cwiseInverse().asDiagonal();
-    search.gradient = slopes[s].transpose() * scores.reshaped<Eigen::RowMajor>() + at.u;
+    search.normal = {weighted(problem.noise, at, std::move(slopes[s])), at.unknowns,
+                     problem.block_begins, problem.num_rollouts};
     constexpr double share = 0.1, least = 1e-4, most = 0.05;  // of a conditional deviation; of u
-    search.moves = (share * (search.curvature.diagonal().array() + 1.0).rsqrt())
+    search.moves = (share * (search.normal.curvature().diagonal().array() + 1.0).rsqrt())
                        .cwiseMax(least)
                        .cwiseMin(most);
   }
-}
-
-// A step by the damped normal equations, (D).
-Vector step(const Search& search, double damping) {
-  RowMatrix normal = with_prior(search.curvature);
-  normal.diagonal() *= 1.0 + damping;
-  const Vector found = -normal.ldlt().solve(search.gradient);
-  return found * std::min(1.0, kLongestStep / std::max(kLongestStep, found.norm()));
-}
-
-// [nats] that the undamped step takes away, were errors linear.
-double promised(const Search& search) {
-  return 0.5 * search.gradient.dot(with_prior(search.curvature).ldlt().solve(search.gradient));
 }
 
 // Some damped steps of each, the best of which is taken; with none the damping grows, as long as
@@ -69,12 +58,12 @@ void advance(Simulations& simulations, std::vector<Search*> searches, Index rese
   while (!searches.empty() &&
          simulations.num_left() >= reserve + std::ssize(searches) * Index{kNumTrials}) {
     RowMatrix trials(std::ssize(searches) * static_cast<Index>(kNumTrials),
-                     searches.front()->at.u.size());
+                     searches.front()->at.unknowns.size());
     for (Index i = 0; i < trials.rows(); ++i) {
       const Search& search = *searches[static_cast<std::size_t>(i) / kNumTrials];
       const auto power = static_cast<double>(static_cast<std::size_t>(i) % kNumTrials) - 1.0;
       const double damping = search.damping * std::pow(kDampingRatio, power);
-      trials.row(i) = (search.at.u + step(search, damping)).transpose();
+      trials.row(i) = (search.at.unknowns + search.normal.step(damping, kLongestStep)).transpose();
     }
     std::vector<Point> points = simulations.points(trials, [&](Index i) {
       return searches[static_cast<std::size_t>(i) / kNumTrials]->at.scales;
@@ -98,8 +87,8 @@ void advance(Simulations& simulations, std::vector<Search*> searches, Index rese
   }
 }
 
-bool have_met(const Point& a, const Point& b) {
-  return (a.u - b.u).lpNorm<Eigen::Infinity>() < kSame;
+bool have_met(const Search& a, const Search& b) {
+  return (a.u() - b.u()).lpNorm<Eigen::Infinity>() < kSame;
 }
 
 // The best first, without those that have met a better one.
@@ -107,8 +96,8 @@ void merge(std::vector<Search>& searches) {
   std::ranges::stable_sort(searches, {}, [](const Search& s) { return s.at.cost; });
   std::vector<Search> kept;
   for (Search& search : searches) {
-    const bool is_new = std::ranges::none_of(
-        kept, [&](const Search& other) { return have_met(search.at, other.at); });
+    const bool is_new =
+        std::ranges::none_of(kept, [&](const Search& other) { return have_met(search, other); });
     if (is_new) kept.push_back(std::move(search));
   }
   searches = std::move(kept);
@@ -116,10 +105,11 @@ void merge(std::vector<Search>& searches) {
 
 }  // namespace
 
-void Simulations::for_each(const RowMatrix& u, const std::function<void(Index, RowMatrix)>& visit) {
-  for (Index begin = 0, block = 0; begin < u.rows(); begin += block) {
-    block = std::min(most_rows_, u.rows() - begin);
-    const RowMatrixF rows = problem_.errors(u.middleRows(begin, block));
+void Simulations::for_each(const RowMatrix& unknowns,
+                           const std::function<void(Index, RowMatrix)>& visit) {
+  for (Index begin = 0, block = 0; begin < unknowns.rows(); begin += block) {
+    block = std::min(most_rows_, unknowns.rows() - begin);
+    const RowMatrixF rows = problem_.errors(unknowns.middleRows(begin, block));
     most_rows_ = std::max<Index>(1, kMostValues / std::max<Index>(1, rows.cols()));
     num_rows_ += block;
     for (Index i = 0; i < block; ++i) {
@@ -129,15 +119,15 @@ void Simulations::for_each(const RowMatrix& u, const std::function<void(Index, R
   }
 }
 
-std::vector<Point> Simulations::points(const RowMatrix& u,
+std::vector<Point> Simulations::points(const RowMatrix& unknowns,
                                        const std::function<Vector(Index)>& guess) {
-  std::vector<Point> all(static_cast<std::size_t>(u.rows()));
-  for_each(u, [&](Index i, RowMatrix errors) {
+  std::vector<Point> all(static_cast<std::size_t>(unknowns.rows()));
+  for_each(unknowns, [&](Index i, RowMatrix errors) {
     Point& point = all[static_cast<std::size_t>(i)];
-    point.u = u.row(i).transpose();
+    point.unknowns = unknowns.row(i).transpose();
     if (errors.size() == 0) return;
     point.scales = problem_.noise.scales(errors, guess(i));
-    point.cost = problem_.noise.cost(errors, point.scales) + 0.5 * point.u.squaredNorm();
+    point.cost = problem_.noise.cost(errors, point.scales) + 0.5 * point.unknowns.squaredNorm();
     point.errors = std::move(errors);
   });
   return all;
@@ -147,17 +137,19 @@ std::vector<RowMatrix> Simulations::slopes(const std::vector<Search*>& searches)
   std::vector<RowMatrix> slopes(searches.size());
   for_each_moved(searches, 1.0, [&](std::size_t s, Index d, const RowMatrix& errors) {
     const Search& search = *searches[s];
-    if (slopes[s].size() == 0) slopes[s].setZero(search.at.errors.size(), search.at.u.size());
+    if (slopes[s].size() == 0) {
+      slopes[s].setZero(search.at.errors.size(), rows_of_slopes(search.moves.size()));
+    }
     if (errors.size() == 0) return;
-    slopes[s].col(d) = (errors - search.at.errors).reshaped<Eigen::RowMajor>() / search.moves(d);
+    slopes[s].col(d) = (errors - search.at.errors).reshaped<Eigen::RowMajor>() / move_of(search, d);
   });
   return slopes;
 }
 
 RowMatrix Simulations::central_slopes(Search& search) {
-  const Index dimension = search.at.u.size();
-  std::vector<RowMatrix> above(static_cast<std::size_t>(dimension));
-  RowMatrix slopes = RowMatrix::Zero(search.at.errors.size(), dimension);
+  const Index columns = rows_of_slopes(search.moves.size());
+  std::vector<RowMatrix> above(static_cast<std::size_t>(columns));
+  RowMatrix slopes = RowMatrix::Zero(search.at.errors.size(), columns);
   for_each_moved({&search}, 1.0, [&](std::size_t, Index d, const RowMatrix& errors) {
     above[static_cast<std::size_t>(d)] = errors;
   });
@@ -167,7 +159,7 @@ RowMatrix Simulations::central_slopes(Search& search) {
     if (moves == 0.0) return;
     const RowMatrix& high = other.size() > 0 ? other : search.at.errors;
     const RowMatrix& low = errors.size() > 0 ? errors : search.at.errors;
-    slopes.col(d) = (high - low).reshaped<Eigen::RowMajor>() / (moves * search.moves(d));
+    slopes.col(d) = (high - low).reshaped<Eigen::RowMajor>() / (moves * move_of(search, d));
   });
   return slopes;
 }
@@ -175,16 +167,32 @@ RowMatrix Simulations::central_slopes(Search& search) {
 void Simulations::for_each_moved(
     const std::vector<Search*>& searches, double factor,
     const std::function<void(std::size_t, Index, const RowMatrix&)>& visit) {
-  const Index dimension = searches.front()->at.u.size();
-  RowMatrix moved(std::ssize(searches) * dimension, dimension);
+  const Index dimension = searches.front()->moves.size();
+  const Index columns = rows_of_slopes(dimension), own = columns - dimension;
+  RowMatrix moved(std::ssize(searches) * columns, searches.front()->at.unknowns.size());
   for (std::size_t s = 0; s < searches.size(); ++s) {
-    auto block = moved.middleRows(static_cast<Index>(s) * dimension, dimension);
-    block = searches[s]->at.u.transpose().replicate(dimension, 1);
-    block.diagonal() += factor * searches[s]->moves;
+    const Search& search = *searches[s];
+    auto block = moved.middleRows(static_cast<Index>(s) * columns, columns);
+    block = search.at.unknowns.transpose().replicate(columns, 1);
+    for (Index d = 0; d < dimension; ++d) block(d, d) += factor * search.moves(d);
+    for (Index j = dimension; j < moved.cols(); ++j) {
+      block(dimension + (j - dimension) % own, j) += factor * kOwnMove;
+    }
   }
   for_each(moved, [&](Index i, const RowMatrix& errors) {
-    visit(static_cast<std::size_t>(i / dimension), i % dimension, errors);
+    visit(static_cast<std::size_t>(i / columns), i % columns, errors);
   });
+}
+
+double Simulations::move_of(const Search& search, Index column) {
+  return column < search.moves.size() ? search.moves(column) : kOwnMove;
+}
+
+RowMatrix Simulations::completed(const RowMatrix& u) const {
+  const Index blocks = problem_.num_rollouts * std::ssize(problem_.block_begins);
+  RowMatrix unknowns = RowMatrix::Zero(u.rows(), u.cols() + blocks * num_own());
+  unknowns.leftCols(u.cols()) = u;
+  return unknowns;
 }
 
 RowMatrix Simulations::shaped(const VectorF& row) const {
@@ -193,22 +201,18 @@ RowMatrix Simulations::shaped(const VectorF& row) const {
   return row.cast<double>().reshaped<Eigen::RowMajor>(row.size() / channels, channels);
 }
 
-RowMatrix curvature(const RowMatrix& slopes, const RowMatrix& weights, const Vector& scales) {
-  const RowMatrix roots = (weights * scales.cwiseAbs2().cwiseInverse().asDiagonal()).cwiseSqrt();
-  const RowMatrix scaled = roots.reshaped<Eigen::RowMajor>().asDiagonal() * slopes;
-  return scaled.transpose() * scaled;
-}
-
-RowMatrix with_prior(RowMatrix curvature) {
-  curvature.diagonal().array() += 1.0;
-  return curvature;
+WeightedErrors weighted(const StudentErrors& noise, const Point& at, RowMatrix slopes) {
+  const Vector precisions = at.scales.cwiseInverse();
+  return {std::move(slopes),
+          noise.weights(at.errors, at.scales) * precisions.cwiseAbs2().asDiagonal(),
+          noise.scores(at.errors, at.scales) * precisions.asDiagonal()};
 }
 
 RowMatrix best_rows(Simulations& simulations, const RowMatrix& u, Index count) {
   const StudentErrors& noise = simulations.problem().noise;
   std::vector<Index> rows;
   Vector costs(u.rows());
-  simulations.for_each(u, [&](Index i, const RowMatrix& errors) {
+  simulations.for_each(simulations.completed(u), [&](Index i, const RowMatrix& errors) {
     if (errors.size() == 0) return;
     costs(i) = noise.cost(errors, noise.scales(errors)) + 0.5 * u.row(i).squaredNorm();
     rows.push_back(i);
@@ -218,19 +222,22 @@ RowMatrix best_rows(Simulations& simulations, const RowMatrix& u, Index count) {
   return u(rows, Eigen::all);
 }
 
-Index rows_of_start(Index dimension) {
-  return kStepsBeforeHalving * rows_of_step(dimension) + rows_of_curvature(dimension);
+Index rows_of_start(const Simulations& simulations, Index dimension) {
+  return kStepsBeforeHalving * rows_of_step(simulations, dimension) +
+         rows_of_curvature(simulations, dimension);
 }
 
 std::vector<Search> descend(Simulations& simulations, const RowMatrix& starts, Index max_steps) {
   std::vector<Search> searches;
-  for (Point& point : simulations.points(starts, [](Index) { return Vector(); })) {
+  for (Point& point :
+       simulations.points(simulations.completed(starts), [](Index) { return Vector(); })) {
     if (point.cost == kInfinity) continue;
-    searches.push_back({std::move(point), {}, {}, Vector::Constant(starts.cols(), kFirstMove)});
+    searches.push_back({std::move(point), {}, Vector::Constant(starts.cols(), kFirstMove)});
   }
-  const Index dimension = starts.cols(), of_step = rows_of_step(dimension);
+  const Index dimension = starts.cols(), of_step = rows_of_step(simulations, dimension);
   merge(searches);
-  const Index most = std::max<Index>(1, simulations.num_left() / rows_of_start(dimension));
+  const Index most =
+      std::max<Index>(1, simulations.num_left() / rows_of_start(simulations, dimension));
   searches.resize(std::min(searches.size(), static_cast<std::size_t>(most)));
   for (Index i = 0; i < max_steps; ++i) {
     merge(searches);
@@ -239,10 +246,10 @@ std::vector<Search> descend(Simulations& simulations, const RowMatrix& starts, I
       searches.resize(std::min(searches.size(), std::max(half, kFewestStarts)));
     }
     std::vector<Search*> moving = active(searches);
-    const Index reserve = std::ssize(searches) * rows_of_curvature(dimension);
+    const Index reserve = std::ssize(searches) * rows_of_curvature(simulations, dimension);
     if (moving.empty() || simulations.num_left() < std::ssize(moving) * of_step + reserve) break;
     differentiate(simulations, moving);
-    for (Search* search : moving) search->is_done = promised(*search) < kConverged;
+    for (Search* search : moving) search->is_done = search->normal.promised() < kConverged;
     std::erase_if(moving, [](const Search* search) { return search->is_done; });
     advance(simulations, moving, reserve);
   }

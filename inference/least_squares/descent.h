@@ -8,12 +8,13 @@
 #include "core/constants.h"
 #include "core/types.h"
 #include "inference/least_squares/least_squares.h"
+#include "inference/least_squares/normal_equations.h"
 
 namespace npdr::inference {
 
 /// A simulated point.
 struct Point {
-  Vector u;                 ///< (D)
+  Vector unknowns;          ///< (D + B C) u, and those of each block
   RowMatrix errors;         ///< (H K, C); empty: it can't be simulated
   Vector scales;            ///< (C)
   double cost = kInfinity;  ///< [nats], with the prior's
@@ -22,11 +23,13 @@ struct Point {
 /// The way of one start.
 struct Search {
   Point at;
-  RowMatrix curvature;    ///< (D, D) Gauss-Newton's, without the prior's
-  Vector gradient;        ///< (D) of the cost
+  NormalEquations normal;
   Vector moves;           ///< (D) of u, of the next differences
   double damping = 1e-2;  ///< relative to the curvature's diagonal
   bool is_done = false;
+
+  auto u() const { return at.unknowns.head(moves.size()); }
+  auto own() const { return at.unknowns.tail(at.unknowns.size() - moves.size()); }
 };
 
 /// Costs and derivatives by simulations, which are counted.
@@ -42,18 +45,29 @@ class Simulations {
   /// Rows that may still be simulated.
   Index num_left() const { return max_rows_ - num_rows_; }
 
-  /// visit(i, errors (H K, C)) of each row of u (n, D), in order; no errors of a row that failed.
-  void for_each(const RowMatrix& u, const std::function<void(Index, RowMatrix)>& visit);
-  /// Points of rows of u (n, D); `guess`: of the scales of row i.
-  std::vector<Point> points(const RowMatrix& u, const std::function<Vector(Index)>& guess);
-  /// Slopes (H K C, D) of errors by u at each search, by forward differences; 0 where a moved point
-  /// can't be simulated.
+  /// visit(i, errors (H K, C)) of each row of unknowns (n, D + B C), in order; no errors of a row
+  /// that failed.
+  void for_each(const RowMatrix& unknowns, const std::function<void(Index, RowMatrix)>& visit);
+  /// Points of rows of unknowns; `guess`: of the scales of row i.
+  std::vector<Point> points(const RowMatrix& unknowns, const std::function<Vector(Index)>& guess);
+  /// Slopes (H K C, D + C) of errors by u and the unknowns of their block at each search, by
+  /// forward differences; 0 where a moved point can't be simulated.
   std::vector<RowMatrix> slopes(const std::vector<Search*>& searches);
   /// The same of one search by central differences, or by one side where the other can't be
   /// simulated.
   RowMatrix central_slopes(Search& search);
+  /// Rows that slopes of D parameters take at one side.
+  Index rows_of_slopes(Index dimension) const { return dimension + num_own(); }
+  /// Rows of u (n, D) with unknowns of blocks that are 0.
+  RowMatrix completed(const RowMatrix& u) const;
 
  private:
+  // Unknowns of a block: C, or none.
+  Index num_own() const {
+    return problem_.block_begins.empty() ? 0 : problem_.noise.num_channels();
+  }
+  // Of each of the columns of slopes.
+  static double move_of(const Search& search, Index column);
   void for_each_moved(const std::vector<Search*>& searches, double factor,
                       const std::function<void(std::size_t, Index, const RowMatrix&)>& visit);
   RowMatrix shaped(const VectorF& row) const;
@@ -64,17 +78,14 @@ class Simulations {
   Index most_rows_ = 64;  // of a block, until errors' number is known
 };
 
-/// sum w (de / du)^T (de / du) / s^2, (D, D). slopes: (H K C, D); weights w: (H K, C).
-RowMatrix curvature(const RowMatrix& slopes, const RowMatrix& weights, const Vector& scales);
-
-/// curvature + I: with that of the prior.
-RowMatrix with_prior(RowMatrix curvature);
+/// What the cost says of the errors of a point.
+WeightedErrors weighted(const StudentErrors& noise, const Point& at, RowMatrix slopes);
 
 /// The `count` rows of u (n, D) with the smallest costs; fewer where fewer can be simulated.
 RowMatrix best_rows(Simulations& simulations, const RowMatrix& u, Index count);
 
 /// Rows that a start of D parameters needs for some steps and its curvature.
-Index rows_of_start(Index dimension);
+Index rows_of_start(const Simulations& simulations, Index dimension);
 
 /// The way of each start (k, D) to its minimum, the best first. Of starts that meet the best stays;
 /// those that can't be simulated are left out, and the worst where rows aren't left for all.

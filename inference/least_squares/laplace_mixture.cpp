@@ -20,18 +20,6 @@ struct Curved {
   double power = 1.0;
 };
 
-// Sums of scores by u of each step, (H K, D).
-RowMatrix scores_of_steps(const StudentErrors& noise, const Point& at, const RowMatrix& slopes) {
-  const RowMatrix scores =
-      noise.scores(at.errors, at.scales) * at.scales.cwiseInverse().asDiagonal();
-  RowMatrix of_steps(at.errors.rows(), slopes.cols());
-  const Index channels = scores.cols();
-  for (Index t = 0; t < of_steps.rows(); ++t) {
-    of_steps.row(t) = scores.row(t) * slopes.middleRows(t * channels, channels);
-  }
-  return of_steps;
-}
-
 // R: diagonal, (D).
 Vector curvature_of_rounding(const Simulations& simulations, const Search& search,
                              const Vector& curvatures) {
@@ -60,19 +48,20 @@ RowMatrix information_filter(const RowMatrix& a, const Vector& of_rounding) {
 // The covariance (I + A B^-1 A)^-1 of a minimum: with A + I = L L^T, A = L a L^T, B = L b L^T it is
 // (I + L a b^-1 a L^T)^-1.
 Curved curved(Simulations& simulations, Search& search) {
-  const StudentErrors& noise = simulations.problem().noise;
+  const LeastSquaresProblem& problem = simulations.problem();
+  const StudentErrors& noise = problem.noise;
   const Point& at = search.at;
-  const RowMatrix slopes = simulations.central_slopes(search);
   const Vector curvatures = noise.curvatures(at.errors, at.scales);
+  WeightedErrors errors = weighted(noise, at, simulations.central_slopes(search));
   // Errors far out say little, also where simulations are sensitive.
-  RowMatrix weights = noise.weights(at.errors, at.scales);
-  const Vector means = weights.colwise().mean().transpose();
-  weights *= curvatures.cwiseQuotient(means).asDiagonal();
-  const RowMatrix a = curvature(slopes, weights, at.scales);
+  const Vector means = noise.weights(at.errors, at.scales).colwise().mean().transpose();
+  errors.weights *= curvatures.cwiseQuotient(means).asDiagonal();
+  const NormalEquations normal(errors, at.unknowns, problem.block_begins, problem.num_rollouts);
+  const RowMatrix& a = normal.curvature();
   const Eigen::LLT<Eigen::MatrixXd> root(with_prior(a));
   const RowMatrix white =
-      root.matrixL().solve(scores_of_steps(noise, at, slopes).transpose()).transpose();
-  const Index rollouts = simulations.problem().num_rollouts;
+      root.matrixL().solve(normal.scores_of_steps(errors).transpose()).transpose();
+  const Index rollouts = problem.num_rollouts;
   RowMatrix b = long_run_covariance(white, rollouts, num_lags(white, rollouts));
   const RowMatrix a_white = root.matrixL().solve(root.matrixL().solve(a).transpose());
   Curved found;
@@ -86,9 +75,12 @@ Curved curved(Simulations& simulations, Search& search) {
   constexpr double most = 1e14;  // of a precision: its inverse can still be factored
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(precision);
   const Vector variances = parts.eigenvalues().cwiseMax(1.0).cwiseMin(most).cwiseInverse();
-  found.minimum = {
-      at.u, at.cost, at.scales,
-      parts.eigenvectors() * variances.asDiagonal() * parts.eigenvectors().transpose()};
+  found.minimum = {.u = search.u(),
+                   .cost = at.cost,
+                   .scales = at.scales,
+                   .covariance = parts.eigenvectors() * variances.asDiagonal() *
+                                 parts.eigenvectors().transpose(),
+                   .own = search.own()};
   return found;
 }
 

@@ -28,7 +28,8 @@ LeastSquaresFit least_squares(const LeastSquaresProblem& problem, const RowMatri
   const auto minima_from = [&](const RowMatrix& from, const RowMatrix& known, bool& converged) {
     // Half of what is left at most is for candidates.
     const Index tried = std::min(from.rows(), std::max<Index>(1, simulations.num_left() / 2));
-    const Index affordable = (simulations.num_left() - tried) / rows_of_start(from.cols());
+    const Index affordable =
+        (simulations.num_left() - tried) / rows_of_start(simulations, from.cols());
     const Index count = std::clamp<Index>(affordable, 1, config.num_starts);
     const RowMatrix best = best_rows(simulations, from.topRows(tried), count);
     std::vector<Search> searches = descend(simulations, stacked(best, known), config.max_steps);
@@ -36,12 +37,12 @@ LeastSquaresFit least_squares(const LeastSquaresProblem& problem, const RowMatri
     if (max_rounds > 0) return laplace_mixture(simulations, std::move(searches));
     std::vector<Minimum> minima;
     for (const Search& each : searches) {
-      minima.push_back({each.at.u, each.at.cost, each.at.scales, {}});
+      minima.push_back({.u = each.u(), .cost = each.at.cost, .scales = each.at.scales});
     }
     return minima;
   };
   fit.minima = minima_from(candidates, starts, fit.converged);
-  const Index of_round = candidates.rows() + rows_of_start(candidates.cols());
+  const Index of_round = candidates.rows() + rows_of_start(simulations, candidates.cols());
   for (Index round = 1;
        round < max_rounds && !fit.minima.empty() && simulations.num_left() >= of_round; ++round) {
     const double before = fit.minima.front().cost;

@@ -6,6 +6,9 @@
 /// of simulations is large. Starts that meet become one. After 6 and 12 steps the worse half of the
 /// starts is given up.
 ///
+/// Rollouts, or segments of them, may begin in states that were measured with noise, too: unknowns
+/// of their own, with priors N(0, 1), that are eliminated from each step (normal_equations.h).
+///
 /// Errors of a simulator that lacks something last for many steps. So the covariance of a minimum
 /// is that of an estimate by estimating equations (Huber 1967): with A the curvature of the cost
 /// without the prior, by central differences, g_t the scores of step t and B = Cov(sum g_t)
@@ -27,9 +30,10 @@
 
 namespace npdr::inference {
 
-/// Errors of rows of u (n, D) as rows (n, H K C): H rollouts of K steps of C channels. A row that
-/// isn't finite is one that couldn't be simulated.
-using ErrorsOf = std::function<RowMatrixF(const RowMatrix& u)>;
+/// Errors of rows of unknowns (n, D + B C) as rows (n, H K C): H rollouts of K steps of C channels.
+/// The unknowns are u and, where rollouts are cut into blocks, C of each of the B blocks of all
+/// rollouts. A row that isn't finite is one that couldn't be simulated.
+using ErrorsOf = std::function<RowMatrixF(const RowMatrix& unknowns)>;
 
 struct LeastSquaresConfig {
   Index num_candidates = 500;  ///< draws of the prior that starts are chosen from
@@ -43,15 +47,18 @@ struct LeastSquaresProblem {
   Index num_rollouts = 1;  ///< H
   StudentErrors noise;     ///< of C channels
   Vector rounding = {};    ///< (C) deviation of errors by rounding of simulations; empty: none
+  /// Steps of a rollout that blocks begin with, whose first states are unknown; empty: no blocks.
+  std::vector<Index> block_begins = {};
 };
 
 /// A local minimum of the cost.
 struct Minimum {
-  Vector u;              ///< (D)
-  double cost = 0.0;     ///< [nats]
-  Vector scales;         ///< (C) of the errors
-  RowMatrix covariance;  ///< (D, D)
-  double weight = 0.0;   ///< share of the mixture
+  Vector u;                   ///< (D)
+  double cost = 0.0;          ///< [nats]
+  Vector scales;              ///< (C) of the errors
+  RowMatrix covariance = {};  ///< (D, D)
+  double weight = 0.0;        ///< share of the mixture
+  Vector own = {};            ///< (B C) unknowns of blocks
 };
 
 struct LeastSquaresFit {

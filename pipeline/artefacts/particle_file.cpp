@@ -104,6 +104,13 @@ inference::AbcPopulation read_population(const h5::File& file) {
   return population;
 }
 
+void describe(Layout f, std::optional<FittedStates>& fitted) {
+  if (auto group = f.group("fit", fitted)) {
+    (*group)("first_states", fitted->states, {{"S"}, {"C"}},
+             "`least_squares` of a recording: states that its segments begin in", kFinite);
+  }
+}
+
 void describe(Layout f, std::optional<RegressionCounts>& counts) {
   auto group = f.group("regression", counts);
   if (!group) return;
@@ -124,10 +131,12 @@ void list_particles(Layout f) {
   inference::ParticleParts parts =
       particle_parts({{"", "", inference::Marginal::Kind::uniform, 0, 1}});
   inference::AbcPopulation population;
+  std::optional<FittedStates> fitted;
   std::optional<RegressionCounts> counts;
   describe_algorithm(f, "");
   describe(f, parts);
   describe(f, population);
+  describe(f, fitted);
   describe(f, counts);
 }
 

@@ -21,6 +21,12 @@ void write_population(h5::File& file, inference::AbcPopulation population);
 /// The population of a round of ABC. Throws InputError.
 inference::AbcPopulation read_population(const h5::File& file);
 
+/// States that segments begin in by a least-squares fit.
+struct FittedStates {
+  RowMatrix states;  ///< (S, C), rollout by rollout
+};
+void describe(Layout f, std::optional<FittedStates>& fitted);
+
 /// The part of a regression's posterior.
 void describe(Layout f, std::optional<RegressionCounts>& counts);
 

@@ -81,9 +81,8 @@ Finding why_not_first_states(const MethodResults& m) {
   const bool begins_in_motion =
       m.study.simulator.segment_length > 0 ||
       !std::ranges::all_of(m.data.target.rollouts, analysis::begins_at_rest);
-  const bool takes_them_as_exact =
-      learns(m.method) || family_of(m.method) == inference::AlgorithmFamily::fit ||
-      (m.is(inference::Algorithm::refine) && !m.method.refine.infer_first_states);
+  const bool takes_them_as_exact = learns(m.method) || (m.is(inference::Algorithm::refine) &&
+                                                        !m.method.refine.infer_first_states);
   if (!m.study.target.recording || !takes_them_as_exact || noise.is_silent() ||
       noise.is_heavy_tailed() || !begins_in_motion) {
     return {};

@@ -28,7 +28,7 @@ std::filesystem::path path_of(const Plan& plan, Stage stage, const std::string& 
 Json inference_json(const MethodConfig& method) {
   Json json = key_json(method);
   // Raised when their bits change, which leaves the keys of other posteriors as they are.
-  constexpr int correction_version = 2, pool_version = 4, fit_version = 1;
+  constexpr int correction_version = 2, pool_version = 4, fit_version = 2;
   const bool is_corrected = inference::is_analytic(method.algorithm, method.density_estimator.kind);
   if (is_corrected) json["correction_version"] = correction_version;
   if (method.algorithm.kind == inference::Algorithm::npe_nle) json["pool_version"] = pool_version;

@@ -14,32 +14,6 @@
 namespace npdr::pipeline {
 namespace {
 
-// Root mean square noise of each rollout and channel, (H, C), and where it comes from.
-struct RecordedNoise {
-  RowMatrix sigma;
-  bool is_given = true;
-};
-
-RecordedNoise noise_of(const Observation& observation) {
-  constexpr double least = 1e-3;
-  const sim::NoiseModel& model = observation.noise();
-  const Target& target = observation.target();
-  RecordedNoise noise{model.relative_size()};
-  for (Index c = 0; c < target.num_states(); ++c) {
-    const sim::NoiseParameter& scale = model.channels()[static_cast<std::size_t>(c)].scale;
-    if (!scale.is_unknown() && scale.median > 0.0) continue;
-    noise.is_given = false;
-    double scatter = 0.0;
-    for (Index h = 0; h < target.num_rollouts(); ++h) {
-      const Vector states = target.rollouts[static_cast<std::size_t>(h)].states.col(c);
-      scatter += analysis::scatter(states) / model.measure()(h, c);
-    }
-    noise.sigma.col(c).setConstant(scatter / static_cast<double>(target.num_rollouts()));
-  }
-  noise.sigma = noise.sigma.cwiseMax(least).cwiseProduct(model.measure());
-  return noise;
-}
-
 // Noise over sigma, (H K, C): white where its scale isn't given.
 std::vector<RowMatrix> draw_errors(const sim::NoiseModel& model, const RecordedNoise& noise) {
   constexpr Index num_draws = 32;
@@ -103,6 +77,26 @@ bool can_cut_rollouts(const Plan& plan) {
   return std::ranges::count(unused, "segment_length") == 0;
 }
 
+RecordedNoise recorded_noise(const Observation& observation) {
+  constexpr double least = 1e-3;
+  const sim::NoiseModel& model = observation.noise();
+  const Target& target = observation.target();
+  RecordedNoise noise{model.relative_size()};
+  for (Index c = 0; c < target.num_states(); ++c) {
+    const sim::NoiseParameter& scale = model.channels()[static_cast<std::size_t>(c)].scale;
+    if (!scale.is_unknown() && scale.median > 0.0) continue;
+    noise.is_given = false;
+    double scatter = 0.0;
+    for (Index h = 0; h < target.num_rollouts(); ++h) {
+      const Vector states = target.rollouts[static_cast<std::size_t>(h)].states.col(c);
+      scatter += analysis::scatter(states) / model.measure()(h, c);
+    }
+    noise.sigma.col(c).setConstant(scatter / static_cast<double>(target.num_rollouts()));
+  }
+  noise.sigma = noise.sigma.cwiseMax(least).cwiseProduct(model.measure());
+  return noise;
+}
+
 std::optional<RecordingMisfit> find_misfit(const Plan& plan, const Observation& observation,
                                            const Vector& theta, const std::filesystem::path& log) {
   constexpr double num_deviations = 5.0;
@@ -127,8 +121,9 @@ std::optional<RecordingMisfit> find_misfit(const Plan& plan, const Observation& 
       return RowMatrix::Constant(rows.rows(), size, kNaN);
     }
   };
-  const RecordedNoise noise = noise_of(observation);
-  if (!noise.is_given && plan.study.observation_noise.is_correlated()) return std::nullopt;
+  const RecordedNoise noise = recorded_noise(observation);
+  const ObservationNoise& stated = plan.study.observation_noise;
+  if (!noise.is_given && (stated.is_correlated() || stated.is_heavy_tailed())) return std::nullopt;
   if (plan.study.source().takes_seeds && draws_at_random(replay, observation, theta, noise)) {
     return std::nullopt;
   }

@@ -21,13 +21,20 @@ inline constexpr double kMostOfScatter = 4.0;
 /// Whether the study's simulator can begin in the middle of a rollout.
 bool can_cut_rollouts(const Plan& plan);
 
-/// Fits `observation`, a recording, from `theta` (D) of the prior. Noise whose scale isn't given is
-/// what each channel scatters by (analysis/scatter.h), but no less than a thousandth of its largest
-/// magnitude. Above the limits it is told what change of the recording would explain the misfit,
-/// unless each call of the simulator starts a program. `log`: where a program's output goes. None
-/// of a simulator that draws at random, of noise that lasts for many samples and whose scale isn't
-/// given, which neighboring samples don't tell, and where nothing can be simulated. Throws
-/// Checkpointed when a stop was requested.
+/// Root mean square noise of recorded states, and whether the study gives it.
+struct RecordedNoise {
+  RowMatrix sigma;  ///< (H, C), at least a thousandth of the largest magnitude
+  bool is_given = true;
+};
+
+/// What the study says of each channel, else what it scatters by (analysis/scatter.h).
+RecordedNoise recorded_noise(const Observation& observation);
+
+/// Fits `observation`, a recording, from `theta` (D) of the prior. Above the limits it is told what
+/// change of the recording would explain the misfit, unless each call of the simulator starts a
+/// program. `log`: where a program's output goes. None of a simulator that draws at random, of
+/// noise of unknown scale that lasts or has heavy tails, which neighboring samples don't tell, and
+/// where nothing can be simulated. Throws Checkpointed when a stop was requested.
 std::optional<RecordingMisfit> find_misfit(const Plan& plan, const Observation& observation,
                                            const Vector& theta, const std::filesystem::path& log);
 

@@ -7,6 +7,7 @@
 #include "core/constants.h"
 #include "core/parallel.h"
 #include "inference/weighted_population.h"
+#include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/refinement_file.h"
 #include "pipeline/artefacts/schemas.h"
@@ -137,7 +138,7 @@ RowMatrix values_of(double sim::NoiseValues::*parameter, const NoiseOfSamples& n
 NoiseSource noise_source(const Plan& plan, const Node& posterior) {
   const h5::File file = open_artefact(posterior, kPosteriorSchema);
   const auto certificate = read_part<inference::ImportanceCertificate>(file);
-  if (!certificate) return {};
+  if (!certificate) return {.infers_first_states = read_part<FittedStates>(file).has_value()};
   return {certificate->power,
           read_part<PowerScores>(file).value_or(PowerScores()).noise_factor_at(certificate->power),
           plan.study.method(posterior.uses.front().method).refine.infer_first_states};

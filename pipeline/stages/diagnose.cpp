@@ -12,10 +12,13 @@
 #include "inference/diagnostics/calibration.h"
 #include "inference/diagnostics/excess_width.h"
 #include "pipeline/artefacts/diagnosis_file.h"
+#include "pipeline/artefacts/layout.h"
+#include "pipeline/artefacts/particle_file.h"
 #include "pipeline/artefacts/posterior_file.h"
 #include "pipeline/artefacts/schemas.h"
 #include "pipeline/config/check.h"
 #include "pipeline/features/failures.h"
+#include "pipeline/features/first_states.h"
 #include "pipeline/features/observation.h"
 #include "pipeline/features/simulation_features.h"
 #include "pipeline/predictions/scores.h"
@@ -147,10 +150,19 @@ inference::LocalC2st check_at_x_o(const Case& c) {
       c.stream("diagnose_local_c2st"));
 }
 
+// The target; of a fit that found the first states, too, it begins in these.
+Target predicted_target(const Case& c) {
+  const Target& target = c.observation.target();
+  const auto fitted = read_part<FittedStates>(open_artefact(c.last_posterior(), kPosteriorSchema));
+  if (!fitted) return target;
+  return begun_in(fitted->states, segment_starts(c.plan.study.simulator, target.num_steps()),
+                  target);
+}
+
 sim::Trajectories simulate(const Case& c, const RowMatrix& theta) {
   constexpr Index block = 256;
   const auto simulator =
-      c.plan.source->open({c.plan.study.simulator, c.observation.target(), log_of(c.node.path)});
+      c.plan.source->open({c.plan.study.simulator, predicted_target(c), log_of(c.node.path)});
   sim::Trajectories rows;
   for (Index begin = 0; begin < theta.rows(); begin += block) {
     stop_here_if_requested();

@@ -182,6 +182,53 @@ TEST(LeastSquares, StopsWithinItsSimulations) {
   EXPECT_FALSE(within(12).minima.empty());
 }
 
+// y = X u + Z b + e with b of each block its own: N(P^-1 X^T S^-1 y, P^-1), S = s^2 I + Z Z^T,
+// P = X^T S^-1 X + I. Both channels see both unknowns of a block, for less and less.
+TEST(LeastSquares, UnknownsOfBlocksAreEliminated) {
+  constexpr Index rollouts = 4, steps = 60, channels = 2, dimension = 3;
+  const std::vector<Index> begins = {0, 25, 40};
+  const auto num_blocks = rollouts * std::ssize(begins);
+  constexpr double s = 0.2;
+  const RowMatrix x = regressors(rollouts * steps * channels, dimension);
+  RowMatrix z = RowMatrix::Zero(x.rows(), num_blocks * channels);
+  for (Index i = 0; i < rollouts * steps; ++i) {
+    const Index step = i % steps, block = step < 25 ? 0 : step < 40 ? 1 : 2;
+    const Index own = (i / steps * std::ssize(begins) + block) * channels;
+    const double share = std::exp(-0.1 * static_cast<double>(step - begins[block]));
+    z.block(i * channels, own, channels, channels) =
+        share * Eigen::Matrix2d{{1.0, 0.5}, {-0.5, 1.0}};
+  }
+  Eigen::MatrixXd covariance = z * z.transpose();
+  covariance.diagonal().array() += s * s;
+  const Eigen::MatrixXd weighted = x.transpose() * covariance.inverse();
+  Eigen::MatrixXd precision = weighted * x;
+  precision.diagonal().array() += 1.0;
+  const Eigen::MatrixXd expected = precision.inverse();
+  const Vector truth{{0.5, -1.0, 0.2}};
+  double distance = 0.0, ratio = 0.0;
+  constexpr int repetitions = 20;
+  for (int r = 0; r < repetitions; ++r) {
+    Stream stream({static_cast<std::uint64_t>(r), "least_squares_blocks", 0, 0, 0});
+    const Vector y =
+        x * truth + z * noise(z.cols(), 0.0, stream) + s * noise(x.rows(), 0.0, stream);
+    const ErrorsOf errors = errors_of(y, [&](const Vector& unknowns) -> Vector {
+      return x * unknowns.head(dimension) + z * unknowns.tail(z.cols());
+    });
+    const LeastSquaresProblem problem{
+        errors, rollouts, {.smallest_scales = Vector::Constant(channels, 1e-3)}, {}, begins};
+    const LeastSquaresFit found = least_squares(problem, draws(50, dimension, 7), RowMatrix(0, 3),
+                                                {}, 1, {1, "least_squares_test", 0, 0, 0});
+    ASSERT_EQ(found.minima.size(), 1U);
+    EXPECT_TRUE(found.converged);
+    const Minimum& minimum = found.minima.front();
+    const Vector off = minimum.u - expected * weighted * y;
+    distance += off.dot(precision * off) / (dimension * repetitions);
+    ratio += (precision * minimum.covariance).trace() / (dimension * repetitions);
+  }
+  EXPECT_LT(distance, 0.4);  // Student's t instead of Gaussian errors: .12 in the mean
+  EXPECT_NEAR(ratio, 1.15, 0.25);
+}
+
 // Only u_0 + 1.3 u_1 is known, and simulations are rounded to float: 30,000 values of deviation
 // 1e-4 tell it to 1e-6.
 TEST(LeastSquares, RoundingIsNoInformation) {

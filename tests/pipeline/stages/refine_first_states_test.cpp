@@ -1,4 +1,4 @@
-// Refinement of recordings whose first states are as noisy as the others.
+// Refinement and least squares of recordings whose first states are as noisy as the others.
 
 #include "inference/weighted_population.h"
 #include "pipeline/artefacts/particle_file.h"
@@ -52,7 +52,7 @@ class FirstStates : public FolderTest {
            0.02, 11);
   }
 
-  Plan study_with(const std::string& noise, const std::string& refine) const {
+  Plan study_with(const std::string& noise, const std::vector<std::string>& method) const {
     return plan_of(
         pendulum_study("noisy")
             .only("target", {"recording = \"recording.h5\"", "num_rollouts = 2"})
@@ -60,8 +60,7 @@ class FirstStates : public FolderTest {
             .only("prior",
                   {"pole_length = { uniform = [0.5, 1.5] }", "damping = { uniform = [0.0, 1.0] }"})
             .with("observation_noise", {noise})
-            .method("Refined", {"algorithm = \"refine\"",
-                                "refine = { level_size = 2000, min_ess = 1000" + refine + " }"})
+            .method("Found", method)
             .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]", "floor = false"}));
   }
 
@@ -71,14 +70,25 @@ class FirstStates : public FolderTest {
   };
 
   Found refine(const std::string& noise, const std::string& more) const {
-    return refine(study_with(noise, more), Vector{{kLength, kDamping}});
+    const Plan plan = study_with(
+        noise,
+        {"algorithm = \"refine\"", "refine = { level_size = 2000, min_ess = 1000" + more + " }"});
+    return refine(plan, Vector{{kLength, kDamping}});
   }
 
   static Found refine(const Plan& plan, const Vector& truth) {
-    const Node& node = plan.node(Stage::infer, {"Refined", 1, 1});
-    run_until(plan, Stage::infer);
-    const h5::File file = open_artefact(node, kPosteriorSchema);
+    const h5::File file = found_by(plan);
     EXPECT_EQ(inference::verdict(*read_part<inference::ImportanceCertificate>(file)), "holds");
+    return {off(file, truth), read_part<sim::ErrorMemory>(file)->excess()};
+  }
+
+  static h5::File found_by(const Plan& plan) {
+    run_until(plan, Stage::infer);
+    return open_artefact(plan.node(Stage::infer, {"Found", 1, 1}), kPosteriorSchema);
+  }
+
+  // Of the mean from the truth, in deviations.
+  static Vector off(const h5::File& file, const Vector& truth) {
     const auto posterior = read_particles(file);
     const RowMatrix theta = posterior->sample(2000, {1, "test", 0, 0, 0});
     const Vector mean = theta.colwise().mean();
@@ -86,8 +96,7 @@ class FirstStates : public FolderTest {
         ((theta.rowwise() - mean.transpose()).array().square().colwise().sum() /
          static_cast<double>(theta.rows()))
             .sqrt();
-    return {(mean - truth).array() / deviation.array(),
-            read_part<sim::ErrorMemory>(file)->excess()};
+    return (mean - truth).array() / deviation.array();
   }
 };
 
@@ -106,6 +115,17 @@ TEST_F(FirstStates, ThatAreInferredLeaveWhiteErrorsAndTheTruth) {
   }
   const Found beside_power = refine(unknown, ", infer_first_states = true, cross_validate = true");
   EXPECT_LT(beside_power.off.cwiseAbs().maxCoeff(), 4.0) << beside_power.off.transpose();
+}
+
+// False alarms as above.
+TEST_F(FirstStates, AreFittedByLeastSquares) {
+  record_pendulum();
+  for (const std::string noise : {"scale = 0.02", "scale_prior = [0.1, 1.0]"}) {
+    const h5::File file = found_by(study_with(noise, {"algorithm = \"least_squares\""}));
+    const Vector found = off(file, Vector{{kLength, kDamping}});
+    EXPECT_LT(found.cwiseAbs().maxCoeff(), 4.0) << noise << ": " << found.transpose();
+    EXPECT_EQ(read_part<FittedStates>(file)->states.rows(), 2 * 2);
+  }
 }
 
 // A mass that is let go at rest answers to a push otherwise than to a pull, by its dry friction:
@@ -137,10 +157,10 @@ class AtRest : public FirstStates {
             .with("target", {"recording = \"recording.h5\"", "num_rollouts = 4"})
             .with("simulator", {kLibrary})
             .with("observation_noise", {"scale_prior = [0.1, 1.0]"})
-            .method("Refined", {"algorithm = \"refine\"",
-                                "refine = { level_size = 1000, min_ess = 500, infer_first_states "
-                                "= true" +
-                                    more + " }"})
+            .method("Found", {"algorithm = \"refine\"",
+                              "refine = { level_size = 1000, min_ess = 500, infer_first_states = "
+                              "true" +
+                                  more + " }"})
             .with("evaluate", {"num_samples = 20", "metrics = [\"rmse\"]", "floor = false"})));
   }
 
@@ -152,7 +172,7 @@ TEST_F(AtRest, SimulationsBeginInTheLikeliestFirstStates) {
   const Found found = refine(plan, Vector{{18.0, 0.5}});
   EXPECT_LT(found.off.cwiseAbs().maxCoeff(), 4.0) << found.off.transpose();
   EXPECT_LT(found.excess, 1.6);
-  const h5::File file = open_artefact(plan.node(Stage::infer, {"Refined", 1, 1}), kPosteriorSchema);
+  const h5::File file = found_by(plan);
   EXPECT_GE(read_part<FirstStateMoves>(file)->count, 1);
   EXPECT_LE(read_part<inference::ImportanceCertificate>(file)->num_draws, 15'000);
 }
@@ -164,8 +184,7 @@ TEST_F(AtRest, FirstStatesThatMayNotMoveAreToldWhereFirstOrderIsTooCoarse) {
   EXPECT_TRUE(has(testing::internal::GetCapturedStderr(),
                   "to first order, which is too coarse for this motion: raise "
                   "refine.max_simulations, or cut shorter segments"));
-  const h5::File file = open_artefact(plan.node(Stage::infer, {"Refined", 1, 1}), kPosteriorSchema);
-  EXPECT_EQ(read_part<FirstStateMoves>(file)->count, 0);
+  EXPECT_EQ(read_part<FirstStateMoves>(found_by(plan))->count, 0);
 }
 
 }  // namespace
