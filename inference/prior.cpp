@@ -8,6 +8,7 @@
 
 #include "core/constants.h"
 #include "core/error.h"
+#include "core/gamma_and_beta.h"
 #include "core/normal.h"
 #include "inference/standard_normal.h"
 
@@ -18,6 +19,7 @@ namespace {
 constexpr double kSmallestProbability = 0x1p-53;
 constexpr double kSmallestPositive = std::numeric_limits<double>::min();
 constexpr double kLargest = std::numeric_limits<double>::max();
+constexpr double kSmallestScale = 1e-100;  // of a gamma
 
 [[noreturn]] void reject(const Marginal& m, const std::string& rule) {
   std::ostringstream message;
@@ -42,6 +44,16 @@ void check(const Marginal& m) {
       if (m.b <= 0.0) reject(m, "the standard deviation must be > 0");
       if (m.overflows()) reject(m, "theta of mean +- 9 std must be within the range of double");
       break;
+    case Marginal::Kind::beta:
+      if (!(m.b >= kLeastShape && m.b <= kMostShape)) reject(m, "b must be 0.1 to 1000");
+      [[fallthrough]];
+    case Marginal::Kind::gamma:
+      if (!(m.a >= kLeastShape && m.a <= kMostShape)) reject(m, "a must be 0.1 to 1000");
+      if (!(m.b >= kSmallestScale && m.b <= 1.0 / kSmallestScale)) reject(m, "b is out of range");
+      break;
+  }
+  if (m.is_cut() && !(!m.is_uniform() && m.mass() >= Marginal::kLeastMass)) {
+    reject(m, "hardly anything is left between its ends");
   }
 }
 
@@ -71,22 +83,62 @@ double quantile(const Marginal& m, double p) {
   return std::clamp(theta, m.a, m.b);  // rounding must not leave the support
 }
 
+// P(X <= theta), or P(X > theta), of a marginal that isn't uniform and isn't cut off.
+double tail_of(const Marginal& m, double theta, Tail tail) {
+  using enum Marginal::Kind;
+  if (m.kind == gamma) return gamma_tail(m.a, theta / m.b, tail);
+  if (m.kind == beta) return beta_tail(m.a, m.b, theta, tail);
+  if (m.kind == log_normal && theta <= 0.0) return tail == Tail::lower ? 0.0 : 1.0;
+  const double u = ((m.kind == log_normal ? std::log(theta) : theta) - m.a) / m.b;
+  return normal_cdf(tail == Tail::lower ? u : -u);
+}
+
+double value_at(const Marginal& m, double p, Tail tail) {
+  using enum Marginal::Kind;
+  if (m.kind == gamma) return m.b * gamma_quantile(m.a, p, tail);
+  if (m.kind == beta) return beta_quantile(m.a, m.b, p, tail);
+  const double t = m.a + m.b * (tail == Tail::lower ? 1.0 : -1.0) * normal_quantile(p);
+  return m.kind == log_normal ? std::exp(t) : t;
+}
+
+// Of marginals without such ends u is a linear function, of theta or its logarithm.
+bool is_linear(const Marginal& m) {
+  return (m.kind == Marginal::Kind::normal || m.kind == Marginal::Kind::log_normal) && !m.is_cut();
+}
+
+// u by the smaller one of both tails, which is the more accurate one.
+double normal_by_tails(const Marginal& m, double theta) {
+  const auto share = [&](Tail tail, double end) {
+    const double p = (tail_of(m, theta, tail) - tail_of(m, end, tail)) / m.mass();
+    return normal_quantile(std::clamp(p, kSmallestProbability, 1.0 - kSmallestProbability));
+  };
+  const double u = share(Tail::lower, m.from);
+  return u < 0.0 ? u : -share(Tail::upper, m.to);
+}
+
+double theta_by_tails(const Marginal& m, double u) {
+  const Tail tail = u < 0.0 ? Tail::lower : Tail::upper;
+  const double p = std::max(normal_cdf(-std::abs(u)), kSmallestProbability) * m.mass();
+  const double cut = tail_of(m, tail == Tail::lower ? m.from : m.to, tail);
+  return std::clamp(value_at(m, cut + p, tail), std::max(m.lower(), -kLargest),
+                    std::min(m.upper(), kLargest));
+}
+
 double log_density(const Marginal& m, double theta) {
-  switch (m.kind) {
-    case Marginal::Kind::uniform:
-      return theta >= m.a && theta <= m.b ? -std::log(m.b - m.a) : -kInfinity;
-    case Marginal::Kind::log_uniform:
-      return theta >= m.a && theta <= m.b ? -std::log(theta * log_ratio(m.b, m.a)) : -kInfinity;
-    case Marginal::Kind::normal:
-      return log_normal_density((theta - m.a) / m.b) - std::log(m.b);
-    case Marginal::Kind::log_normal:
-      if (!(theta > 0.0)) return -kInfinity;
-      return log_normal_density((std::log(theta) - m.a) / m.b) - std::log(theta) - std::log(m.b);
-  }
-  return -kInfinity;
+  using enum Marginal::Kind;
+  if (!(theta >= m.lower() && theta <= m.upper())) return -kInfinity;
+  if (m.kind == uniform) return -std::log(m.b - m.a);
+  if (m.kind == log_uniform) return -std::log(theta * log_ratio(m.b, m.a));
+  const double cut = m.is_cut() ? std::log(m.mass()) : 0.0;
+  if (m.kind == gamma) return log_gamma_density(m.a, theta / m.b) - std::log(m.b) - cut;
+  if (m.kind == beta) return log_beta_density(m.a, m.b, theta) - cut;
+  if (m.kind == normal) return log_normal_density((theta - m.a) / m.b) - std::log(m.b) - cut;
+  if (!(theta > 0.0)) return -kInfinity;
+  return log_normal_density((std::log(theta) - m.a) / m.b) - std::log(theta) - std::log(m.b) - cut;
 }
 
 double to_normal(const Marginal& m, double theta) {
+  if (!m.is_uniform() && !is_linear(m)) return normal_by_tails(m, theta);
   if (m.kind == Marginal::Kind::normal) return (theta - m.a) / m.b;
   if (m.kind == Marginal::Kind::log_normal) {
     return theta > 0.0 ? (std::log(theta) - m.a) / m.b : normal_quantile(kSmallestProbability);
@@ -97,6 +149,7 @@ double to_normal(const Marginal& m, double theta) {
 
 double to_theta(const Marginal& m, double u) {
   if (!std::isfinite(u)) return kNaN;  // not the border
+  if (!m.is_uniform() && !is_linear(m)) return theta_by_tails(m, u);
   if (m.kind == Marginal::Kind::normal) return m.a + m.b * u;
   if (m.kind == Marginal::Kind::log_normal) {
     return std::clamp(std::exp(m.a + m.b * u), kSmallestPositive, kLargest);
@@ -107,27 +160,43 @@ double to_theta(const Marginal& m, double u) {
 }  // namespace
 
 double Marginal::lower() const {
-  if (kind == Kind::log_normal) return 0.0;
-  return kind == Kind::normal ? -kInfinity : a;
+  if (is_uniform()) return a;
+  return std::max(from, kind == Kind::normal ? -kInfinity : 0.0);
 }
 
-double Marginal::upper() const { return is_unbounded() ? kInfinity : b; }
+double Marginal::upper() const {
+  if (is_uniform()) return b;
+  return std::min(to, kind == Kind::beta ? 1.0 : kInfinity);
+}
 
 bool Marginal::is_log() const { return kind == Kind::log_uniform || kind == Kind::log_normal; }
 
-bool Marginal::is_unbounded() const { return kind == Kind::normal || kind == Kind::log_normal; }
+bool Marginal::is_uniform() const { return kind == Kind::uniform || kind == Kind::log_uniform; }
+
+bool Marginal::is_cut() const { return from > -kInfinity || to < kInfinity; }
 
 std::pair<double, double> Marginal::central_range(double u) const {
-  if (!is_unbounded()) return {a, b};
+  if (is_uniform()) return {a, b};
   return {inference::to_theta(*this, -u), inference::to_theta(*this, u)};
 }
 
 bool Marginal::overflows() const {
   if (kind == Kind::uniform) return !std::isfinite(b - a);
   if (kind == Kind::log_uniform) return !std::isfinite(b * log_ratio(b, a));
-  const auto [smallest, largest] = central_range(9.0);
+  if (kind == Kind::gamma || kind == Kind::beta) return false;
+  Marginal whole = *this;
+  whole.from = -kInfinity;
+  whole.to = kInfinity;
+  const auto [smallest, largest] = whole.central_range(9.0);
   if (kind == Kind::normal) return !std::isfinite(smallest) || !std::isfinite(largest);
   return smallest <= kSmallestPositive || largest >= kLargest;
+}
+
+double Marginal::mass() const {
+  if (!is_cut()) return 1.0;
+  const bool is_above = tail_of(*this, from, Tail::lower) > 0.5;
+  return is_above ? tail_of(*this, from, Tail::upper) - tail_of(*this, to, Tail::upper)
+                  : tail_of(*this, to, Tail::lower) - tail_of(*this, from, Tail::lower);
 }
 
 Prior::Prior(std::vector<Marginal> marginals) : marginals_(std::move(marginals)) {

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/constants.h"
 #include "core/enum_names.h"
 #include "core/random.h"
 #include "core/types.h"
@@ -30,27 +31,36 @@ constexpr auto enum_table(PhysicalEnds) {
 
 /// One independent marginal of the prior.
 struct Marginal {
-  enum class Kind { uniform, log_uniform, normal, log_normal };
+  static constexpr double kLeastMass = 1e-3;  ///< that may be left between `from` and `to`
+
+  enum class Kind { uniform, log_uniform, normal, log_normal, gamma, beta };
 
   std::string name;
   std::string unit;
   Kind kind = Kind::uniform;
-  double a = 0.0;  ///< lower bound; the mean of a normal theta, or of log theta for a log_normal
-  double b = 1.0;  ///< upper bound; the standard deviation of the same
+  /// Lower bound; the mean of a normal theta, or of log theta for a log_normal; the shape of a
+  /// gamma; the exponents of a beta, whose density is theta^(a - 1) (1 - theta)^(b - 1) / B(a, b).
+  double a = 0.0;
+  double b = 1.0;  ///< upper bound; the standard deviation of the same; the scale of a gamma
   PhysicalEnds physical = PhysicalEnds::none;  ///< no density depends on it
+  double from = -kInfinity;  ///< with `to`: where a marginal that isn't uniform is cut off
+  double to = kInfinity;
 
   double lower() const;  ///< no theta below has positive density; may be -infinity
   double upper() const;
 
   /// Whether theta is uniform or normal in its logarithm.
   bool is_log() const;
-  /// Whether the density has no bound on at least one side.
-  bool is_unbounded() const;
-  /// [theta(-u), theta(u)] where it is unbounded, the bounds otherwise.
+  /// Whether theta or its logarithm is uniform.
+  bool is_uniform() const;
+  bool is_cut() const;
+  /// [theta(-u), theta(u)], or the bounds where it is uniform.
   std::pair<double, double> central_range(double u) const;
-  /// Whether what is computed of it leaves the range of double: the width of a bounded one, or
-  /// theta(u) of another for any |u| < 9.
+  /// Whether what is computed of it leaves the range of double: the width of a uniform one, or
+  /// theta(u) of a normal or log_normal one for any |u| < 9.
   bool overflows() const;
+  /// Probability between `from` and `to` of the marginal that isn't cut off.
+  double mass() const;
 };
 
 constexpr auto enum_table(Marginal::Kind) {
@@ -58,14 +68,17 @@ constexpr auto enum_table(Marginal::Kind) {
   return std::to_array<EnumRow<Marginal::Kind>>({{uniform, "uniform"},
                                                  {log_uniform, "log_uniform", "loguniform"},
                                                  {normal, "normal", "gaussian"},
-                                                 {log_normal, "log_normal", "lognormal"}});
+                                                 {log_normal, "log_normal", "lognormal"},
+                                                 {gamma, "gamma"},
+                                                 {beta, "beta"}});
 }
 
 /// Product of independent marginals. Const calls are thread-safe.
 class Prior {
  public:
   /// Throws InputError when a marginal is impossible (low >= high, deviation <= 0, log of <= 0,
-  /// not finite, overflows()) or a name occurs twice: says which.
+  /// not finite, overflows(), shapes out of range, hardly any mass()) or a name occurs twice: says
+  /// which.
   explicit Prior(std::vector<Marginal> marginals);
 
   Index dimension() const { return static_cast<Index>(marginals_.size()); }

@@ -45,6 +45,8 @@ class Prior:  # u = Phi^-1(F(theta)), parameter by parameter
         marginals = json.loads(file.attrs["prior"])
         self.names = [m["name"] for m in marginals]
         kinds, pairs = zip(*(next((k, v) for k, v in m.items() if isinstance(v, list)) for m in marginals))
+        if {"gamma", "beta"} & set(kinds) or any("lower" in m or "upper" in m for m in marginals):
+            raise ValueError("priors that are gamma, beta or cut off: npdr sample and npdr log-prob read them")
         self.is_log = np.array([k.startswith("log_") for k in kinds])
         self.is_bounded = np.array([k.endswith("uniform") for k in kinds])
         pairs = [np.log(pair) if kind == "log_uniform" else pair for kind, pair in zip(kinds, pairs)]

@@ -59,8 +59,10 @@ const std::map<std::string_view, const char*> kWords = {
     // priors
     {"uniform", "[low, high]: every value between is as likely"},
     {"log_uniform", "[low, high] with low > 0: every order of magnitude is as likely"},
-    {"normal", "[mean, standard deviation], without bounds"},
-    {"log_normal", "[mean of log, standard deviation of log]: positive, without an upper bound"},
+    {"normal", "[mean, standard deviation]; lower = and upper = cut this and the next three off"},
+    {"log_normal", "[mean of log, standard deviation of log]: positive"},
+    {"gamma", "[shape, scale]: positive, of mean shape * scale; shape 1: exponential"},
+    {"beta", "[a, b]: between 0 and 1, of mean a / (a + b)"},
     // integrators
     {"erk4", "Runge-Kutta of order 4 with fixed steps"},
     {"erk2", "of order 2"},

@@ -256,7 +256,7 @@ class Writer {
       require("a parameter of the dataset", name, column_name());
       const bool is_constant = marginals_[d].is_constant();
       const inference::Marginal fit = marginals_[d].likeliest();
-      const auto number_of = [&](double v) { return fit.is_unbounded() ? number(v) : exact(v); };
+      const auto number_of = [&](double v) { return fit.is_uniform() ? exact(v) : number(v); };
       text_ += fmt::format("{}{} = {{ {} = [{}, {}] }}  # [{}]{}\n", is_constant ? "# " : "",
                            toml_key(name), name_of(fit.kind), number_of(fit.a), number_of(fit.b),
                            toml_comment(unit), is_constant ? " the same in all rows" : "");

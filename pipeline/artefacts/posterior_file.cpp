@@ -274,8 +274,8 @@ void describe(Layout f, std::vector<inference::Marginal>& prior) {
   std::string text = to_json(prior).dump();
   f.attribute(
       "prior", text,
-      "JSON: list of `{\"name\", \"unit\", <kind>: [a, b]}`, kind `uniform`, `log_uniform`, "
-      "`normal` or `log_normal`");
+      "JSON: list of `{\"name\", \"unit\", <kind>: [a, b]}`, kind as in `[prior]`, and `lower` or "
+      "`upper` where one is cut off");
   if (!f.reads()) return;
   prior = prior_from_json(parse_json(text, f.where()), f.where());
   f.bind(kParameter.size, std::ssize(prior));

@@ -137,8 +137,10 @@ Constraint<std::vector<std::uint64_t>> shape_constraint() {
 }
 
 std::string marginal_words() {
-  return "{ uniform = [low, high] }, { log_uniform = [low, high] }, { normal = [mean, std] } or "
-         "{ log_normal = [mean of log, std of log] }, of finite numbers";
+  return "{ uniform = [low, high] }, { log_uniform = [low, high] }, { normal = [mean, std] }, "
+         "{ log_normal = [mean of log, std of log] }, { gamma = [shape, scale] } or { beta = [a, "
+         "b] "
+         "}, of finite numbers";
 }
 
 Constraint<std::vector<inference::Marginal>> prior_constraint() {

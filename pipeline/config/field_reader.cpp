@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <tuple>
@@ -61,10 +62,11 @@ bool has_only_tables(const FieldTree& json) {
 // physical ends.
 void reject_marginal(const FieldSlot& slot) {
   std::vector<std::string> known = names_of<Marginal::Kind>();
-  known.emplace_back(kPhysical);
+  known.insert(known.end(), {kPhysical, kLower, kUpper});
   if (slot.json.is_object()) {
     for (const auto& [key, json] : slot.json.items()) {
-      if (value_named<Marginal::Kind>(key) || key == kPhysical) continue;
+      if (std::ranges::find(known, key) != known.end() || value_named<Marginal::Kind>(key))
+        continue;
       return slot.reading.fail(
           slot.path, slot.reading.source(slot.path + "." + key).key,
           display(slot.path) + ": " + unknown_name("key", shortened(key), known));
@@ -74,6 +76,11 @@ void reject_marginal(const FieldSlot& slot) {
     if (ends != slot.json.end() &&
         !(ends->is_string() && allowed.allows(ends->get<std::string>()))) {
       return reject(member_slot(slot, kPhysical, *ends), allowed.words, allowed.names);
+    }
+    for (const char* end : {kLower, kUpper}) {
+      const auto given = slot.json.find(end);
+      if (given == slot.json.end() || given->is_number()) continue;
+      return reject(member_slot(slot, end, *given), "a number", {});
     }
   }
   reject(slot, marginal_words());
@@ -91,8 +98,8 @@ void read_marginals(const FieldSlot& slot, const std::string& prefix, std::set<s
     }
     Marginal marginal;
     marginal.name = name;
-    const std::size_t size = member.json.contains(kPhysical) ? 2 : 1;
-    const bool is_one = member.json.is_object() && member.json.size() == size;
+    const bool is_one =
+        member.json.is_object() && member.json.size() == 1 + num_beside_kind(member.json);
     if (!is_one || !read_distribution(member, marginal)) reject_marginal(member);
     if (!names.insert(name).second) {
       member.reading.fail(member.path, fmt::format("prior: {} is there twice", quoted(name)));
@@ -160,6 +167,11 @@ void reject_kind(const FieldSlot& slot, Field::Kind kind, const std::string& wor
                                                    : "there may be several such tables"));
 }
 
+std::size_t num_beside_kind(const FieldTree& json) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      std::array{kPhysical, kLower, kUpper}, [&](const char* key) { return json.contains(key); }));
+}
+
 bool read_distribution(const FieldSlot& slot, Marginal& marginal) {
   if (const auto given = slot.json.find(kPhysical); given != slot.json.end()) {
     const auto ends = given->is_string()
@@ -167,6 +179,11 @@ bool read_distribution(const FieldSlot& slot, Marginal& marginal) {
                           : std::nullopt;
     if (!ends) return false;
     marginal.physical = *ends;
+  }
+  for (const auto& [key, end] : {std::pair(kLower, &marginal.from), {kUpper, &marginal.to}}) {
+    const auto given = slot.json.find(key);
+    if (given != slot.json.end() && !read_value({*given, slot.path, slot.reading}, *end))
+      return false;
   }
   for (const auto& [key, numbers] : slot.json.items()) {
     const auto kind = value_named<Marginal::Kind>(key);

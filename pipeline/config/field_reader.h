@@ -117,11 +117,15 @@ nlohmann::ordered_json json_value(const std::optional<T>& value) {
   return value ? json_value(*value) : nlohmann::ordered_json();
 }
 
-/// Key of a distribution's Marginal::physical.
+/// Keys beside a distribution's kind: Marginal::physical, `from` and `to`.
 inline constexpr const char* kPhysical = "physical";
+inline constexpr const char* kLower = "lower";
+inline constexpr const char* kUpper = "upper";
+/// How many of them it has.
+std::size_t num_beside_kind(const FieldTree& json);
 
 /// Kind and numbers of a distribution, in the first member of a table that is called like one, and
-/// its physical ends, if any.
+/// what stands beside it.
 bool read_distribution(const FieldSlot& slot, inference::Marginal& marginal);
 
 template <class T>

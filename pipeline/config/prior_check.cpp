@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/gamma_and_beta.h"
 #include "core/normal.h"
 #include "pipeline/config/checker.h"
 
@@ -35,23 +36,47 @@ double mass_outside(const Marginal& m, const sim::Parameter& p) {
   return normal_cdf(u(0, 0)) + normal_cdf(-u(1, 0));
 }
 
+std::string form_of(const Marginal& m) {
+  using enum Marginal::Kind;
+  if (m.kind == gamma) return "[shape, scale]";
+  if (m.kind == beta) return "[a, b]";
+  return m.is_log() ? "[mean of log, std of log]" : "[mean, std]";
+}
+
+// The same of the numbers of a marginal that isn't uniform.
+std::string broken_form(const Marginal& m) {
+  const auto is_shape = [](double v) { return v >= kLeastShape && v <= kMostShape; };
+  const auto shapes = fmt::format(" of {} to {}", kLeastShape, kMostShape);
+  if (m.kind == Marginal::Kind::beta) return is_shape(m.a) && is_shape(m.b) ? "" : shapes;
+  if (m.kind == Marginal::Kind::gamma) {
+    if (!is_shape(m.a)) return " with a shape" + shapes;
+    return m.b >= 1e-100 && m.b <= 1e100 ? "" : " with a scale of 1e-100 to 1e100";
+  }
+  if (!(m.b > 0.0)) return " with std > 0";
+  if (!is_wide_enough(m.b, std::abs(m.a))) return " with std " + width_words();
+  if (!m.overflows()) return "";
+  return fmt::format(" with {} within the range of double",
+                     m.is_log() ? "exp(mean +- 9 std)" : "mean +- 9 std");
+}
+
 // The rule that a marginal breaks: what it must be; "" for none.
 std::string broken_rule(const Marginal& m, const sim::Parameter& p) {
-  if (m.is_unbounded()) {
-    const std::string form = m.is_log() ? "[mean of log, std of log]" : "[mean, std]";
-    if (!(m.b > 0.0)) return form + " with std > 0";
-    if (!is_wide_enough(m.b, std::abs(m.a))) return form + " with std " + width_words();
-    if (m.overflows()) {
-      return fmt::format("{} with {} within the range of double", form,
-                         m.is_log() ? "exp(mean +- 9 std)" : "mean +- 9 std");
+  if (!m.is_uniform()) {
+    const std::string form = form_of(m), broken = broken_form(m);
+    if (!broken.empty()) return form + broken;
+    if (m.is_cut() && !(m.mass() >= Marginal::kLeastMass)) {
+      return fmt::format("{} with {} of its mass or more between lower = {} and upper = {}", form,
+                         Marginal::kLeastMass, m.from, m.to);
     }
     const double outside = mass_outside(m, p);
     if (outside <= kMostMassOutside) return "";
     return fmt::format(
-        "{} with at most {} of its mass outside of {}, found {:.2g}; take a smaller std, uniform "
-        "or log_uniform",
+        "{} with at most {} of its mass outside of {}, found {:.2g}; cut it off there by lower = "
+        "or "
+        "upper =",
         form, kMostMassOutside, range_of(p), outside);
   }
+  if (m.is_cut()) return "without lower and upper: it has bounds";
   if (!(m.a < m.b)) return "[low, high] with low < high";
   if (!is_wide_enough(m.b - m.a, std::max(std::abs(m.a), std::abs(m.b)))) {
     return "[low, high] with high - low " + width_words();
@@ -68,9 +93,9 @@ std::string broken_rule(const Marginal& m, const sim::Parameter& p) {
 void check_bounds(const Marginal& m, const sim::Parameter& parameter, Reading& reading) {
   const std::string rule = broken_rule(m, parameter);
   const std::string path = "prior." + m.name;
-  if (rule.empty() && m.is_unbounded() && m.physical != inference::PhysicalEnds::none) {
+  if (rule.empty() && !m.is_uniform() && m.physical != inference::PhysicalEnds::none) {
     reading.fail(path, path + ".physical must be left out: " + std::string(name_of(m.kind)) +
-                           " has no ends");
+                           " has no bounds that posteriors press against");
   }
   if (rule.empty()) return;
   reading.reject(path, fmt::format("[{}, {}]", m.a, m.b), rule);

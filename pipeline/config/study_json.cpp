@@ -23,8 +23,7 @@ void add_unused(const Fields& fields, const std::string& prefix, std::vector<Unu
 }
 
 bool read_marginal(const nlohmann::json& json, Reading& reading, inference::Marginal& marginal) {
-  const std::size_t size = json.contains(kPhysical) ? 4 : 3;
-  return json.is_object() && json.size() == size && json.contains("name") &&
+  return json.is_object() && json.size() == 3 + num_beside_kind(json) && json.contains("name") &&
          json.contains("unit") && read_value({json["name"], "name", reading}, marginal.name) &&
          read_value({json["unit"], "unit", reading}, marginal.unit) &&
          read_distribution({json, "", reading}, marginal);
@@ -102,6 +101,8 @@ Json to_json(const std::vector<inference::Marginal>& prior) {
     json.push_back({{"name", marginal.name},
                     {"unit", marginal.unit},
                     {name_of(marginal.kind), {marginal.a, marginal.b}}});
+    if (std::isfinite(marginal.from)) json.back()[kLower] = marginal.from;
+    if (std::isfinite(marginal.to)) json.back()[kUpper] = marginal.to;
   }
   return json;
 }

@@ -89,8 +89,8 @@ constexpr Text kIntroductions[] = {
      "# docs/external-simulators.md.\n"},
     {"prior",
      R"(# What to infer: parameter = { uniform = [low, high] }, { log_uniform = [low, high] },
-# { normal = [mean, std] } or { log_normal = [mean of log, std of log] }, in the simulator's units.
-# The rest stay nominal.
+# { normal = [mean, std] } or { log_normal = [mean of log, std of log] }, in the simulator's units;
+# "npdr list priors" has more. The rest stay nominal.
 [prior]
 pole_mass = { uniform = [0.3, 1.7] }    # [kg]
 pole_length = { uniform = [0.3, 1.7] }  # [m]

@@ -51,7 +51,7 @@ std::string share_at_end(double share) {
 
 std::vector<PressedBound> pressed_bounds(const inference::Marginal& marginal,
                                          const Vector& samples) {
-  if (marginal.is_unbounded()) return {};
+  if (!marginal.is_uniform()) return {};
   const Vector v = inference::Prior({marginal}).to_normal(samples).col(0).unaryExpr(&normal_cdf);
   const inference::BoundPressure found = inference::test_bounds(v);
   std::vector<PressedBound> pressed;

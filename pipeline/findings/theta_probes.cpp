@@ -33,7 +33,7 @@ double share_of(const Column& column, const inference::Levels::value_type& level
 
 bool lies_on_a_bound(const Column& column, double value) {
   constexpr double end = 1e-6;
-  if (column.prior.is_unbounded()) return false;
+  if (!column.prior.is_uniform()) return false;
   const double f = normal_cdf(
       inference::Prior({column.prior}).to_normal(RowMatrix::Constant(1, 1, value))(0, 0));
   return f < end || f > 1.0 - end;

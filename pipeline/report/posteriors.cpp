@@ -52,11 +52,14 @@ Cell known_cell(Cell cell = {}) {
 }
 
 std::string prior_text(const inference::Marginal& m) {
-  const bool is_normal = m.is_unbounded();
-  const std::string text =
-      is_normal ? fmt::format("N({:.4g}, {:.4g}²)", m.a, m.b) : interval_text(m.a, m.b);
-  if (!m.is_log()) return text;
-  return is_normal ? "exp " + text : text + ", log-uniform";
+  using enum inference::Marginal::Kind;
+  if (m.kind == uniform) return interval_text(m.a, m.b);
+  if (m.kind == log_uniform) return interval_text(m.a, m.b) + ", log-uniform";
+  const std::string cut = m.is_cut() ? " in " + interval_text(m.lower(), m.upper()) : "";
+  if (m.kind == gamma || m.kind == beta) {
+    return fmt::format("{}({:.4g}, {:.4g}){}", name_of(m.kind), m.a, m.b, cut);
+  }
+  return fmt::format("{}N({:.4g}, {:.4g}²){}", m.is_log() ? "exp " : "", m.a, m.b, cut);
 }
 
 Cell posterior_cell(const ReportData& data, const std::string& method, Index d) {
@@ -165,7 +168,7 @@ Vector drawn(const inference::Marginal& m, const Vector& values) {
   return m.is_log() ? Vector(values.array().log10()) : values;
 }
 
-// Where the methods' samples are, within the prior; an unbounded one is shown over three
+// Where the methods' samples are, within the prior; one that isn't uniform is shown over three
 // deviations.
 analysis::PairParameter axis_of(const analysis::PairPlot& plot, const inference::Marginal& m,
                                 Index d) {

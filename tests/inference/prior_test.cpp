@@ -103,6 +103,63 @@ TEST(Prior, LogDensityOfEachKindIntegratesToOne) {
   }
 }
 
+// Of kinds whose u isn't a linear function: two of each, of which one is cut off at one or both
+// ends.
+std::vector<Marginal> curved_kinds() {
+  using enum Marginal::Kind;
+  std::vector<Marginal> all = {
+      {"waiting", "s", gamma, 2.5, 0.4},   {"rate", "1/s", gamma, 0.6, 2.0},
+      {"share", "1", beta, 2.0, 3.0},      {"loss", "1", beta, 0.7, 1.5},
+      {"spread", "m", normal, 0.0, 0.7},   {"length", "m", normal, -2.0, 1.0},
+      {"drag", "1", log_normal, -0.5, 0.8}};
+  all[1].to = 1.5;
+  all[3].from = 0.2;
+  all[4].from = 0.0;
+  all[5].from = 0.1;
+  all[5].to = 0.9;
+  all[6].from = 0.3;
+  return all;
+}
+
+// By midpoints of the density over the middle of u, where it is smooth.
+TEST(Prior, CurvedKindsKeepTheirMass) {
+  for (const Marginal& m : curved_kinds()) {
+    const Prior prior({m});
+    const auto [low, high] = m.central_range(1.0);
+    constexpr Index n = 20'000;
+    const double width = (high - low) / n;
+    const RowMatrix theta = (Vector::LinSpaced(n, 0.5, n - 0.5) * width).array() + low;
+    EXPECT_NEAR(prior.log_prob(theta).array().exp().sum() * width,
+                normal_cdf(1.0) - normal_cdf(-1.0), 1e-7)
+        << m.name;
+    const double middle = theta(n / 3, 0), step = 1e-6 * middle;
+    const RowMatrix u = prior.to_normal(RowMatrix{{middle - step}, {middle}, {middle + step}});
+    EXPECT_NEAR(prior.log_det_to_normal(RowMatrix{{middle}})(0),
+                std::log((u(2, 0) - u(0, 0)) / (2.0 * step)), 1e-7)
+        << m.name;
+    const RowMatrix far{{-40.0}, {-6.0}, {-2.0}, {0.3}, {6.0}, {40.0}};
+    const RowMatrix there = prior.to_theta(far);
+    EXPECT_NEAR(prior.to_normal(there)(1, 0), -6.0, 1e-3) << m.name;
+    EXPECT_LT((prior.to_normal(there) - far).middleRows(2, 2).cwiseAbs().maxCoeff(), 1e-10)
+        << m.name;
+    EXPECT_TRUE(prior.log_prob(there.middleRows(1, 4)).allFinite()) << m.name;
+    EXPECT_GE(there(0, 0), m.lower());
+    EXPECT_LE(there(5, 0), m.upper());
+  }
+}
+
+TEST(Prior, CurvedKindsWithClosedForms) {
+  using enum Marginal::Kind;
+  Marginal half{"half", "1", normal, 0.0, 2.0};
+  half.from = 0.0;
+  const Prior prior({{"exponential", "1", gamma, 1.0, 3.0}, {"power", "1", beta, 1.0, 4.0}, half});
+  const double p = normal_cdf(0.8);
+  const RowMatrix theta = prior.to_theta(RowMatrix::Constant(1, 3, 0.8));
+  EXPECT_NEAR(theta(0, 0), -3.0 * std::log1p(-p), 1e-12);
+  EXPECT_NEAR(theta(0, 1), 1.0 - std::pow(1.0 - p, 0.25), 1e-12);
+  EXPECT_NEAR(theta(0, 2), 2.0 * normal_quantile(0.5 + 0.5 * p), 1e-12);
+}
+
 TEST(Prior, DensityIsZeroOutsideOfTheSupport) {
   RowMatrix theta(4, 4);
   theta << 1.71, 1e-3, 0.5, 1.0, 1.0, 1e-3, 0.5, 0.0, 1.0, 1e-3, 0.5, -1.0, 1.0, 1e-3, 0.5, kNaN;
@@ -133,6 +190,11 @@ TEST(Prior, RejectsImpossibleMarginals) {
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::log_normal, 800.0, 1.0}}), InputError);
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::log_normal, 0.0, 100.0}}), InputError);
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::uniform, 0.0, kNaN}}), InputError);
+  EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::gamma, 0.0, 1.0}}), InputError);
+  EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::beta, 1.0, -1.0}}), InputError);
+  Marginal cut{"a", "1", Marginal::Kind::normal, 0.0, 1.0};
+  cut.from = 7.0;
+  EXPECT_THROW(Prior({cut}), InputError);
   EXPECT_THROW(Prior({{"a", "1", Marginal::Kind::uniform, 0.0, 1.0},
                       {"a", "1", Marginal::Kind::uniform, 0.0, 1.0}}),
                InputError);
