@@ -95,7 +95,8 @@ std::string words_of_difference(double median, double observed) {
   constexpr double least = 1e-12;
   const double size = std::max(std::abs(median), std::abs(observed));
   const double difference = std::max(std::abs(median - observed), least * size);
-  const int more = size > 0.0 ? static_cast<int>(std::log10(size / difference)) : 0;
+  const int more =
+      size > 0.0 && std::isfinite(size) ? static_cast<int>(std::log10(size / difference)) : 0;
   return fmt::format("{:.{}g} on average (observed {:.{}g})", median, 3 + more, observed, 3 + more);
 }
 

@@ -19,7 +19,7 @@ constexpr double kLeastOfHalfStep = 0.05;
 
 // To two digits of `step`.
 double rounded(double value, double step) {
-  if (!(step > 0.0)) return value;
+  if (!(step > 0.0) || !std::isfinite(step)) return value;
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(step))), 0, 300);
   return std::stod(fmt::format("{:.{}f}", value, decimals));
 }
