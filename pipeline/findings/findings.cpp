@@ -8,7 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "analysis/begins_at_rest.h"
 #include "pipeline/findings/probe.h"
 
 namespace npdr::pipeline {
@@ -78,13 +77,10 @@ Finding why_not_held_out(const MethodResults& m) {
 // device began at rest or they are inferred, and what mends it is for Gaussian noise alone.
 Finding why_not_first_states(const MethodResults& m) {
   const ObservationNoise& noise = m.study.observation_noise;
-  const bool begins_in_motion =
-      m.study.simulator.segment_length > 0 ||
-      !std::ranges::all_of(m.data.target.rollouts, analysis::begins_at_rest);
-  const bool takes_them_as_exact = learns(m.method) || (m.is(inference::Algorithm::refine) &&
-                                                        !m.method.refine.infer_first_states);
-  if (!m.study.target.recording || !takes_them_as_exact || noise.is_silent() ||
-      noise.is_heavy_tailed() || !begins_in_motion) {
+  const bool takes_them_as_exact =
+      (learns(m.method) || m.is(inference::Algorithm::refine)) && !infers_first_states(m);
+  if (!takes_them_as_exact || noise.is_silent() || noise.is_heavy_tailed() ||
+      !begins_in_motion(m)) {
     return {};
   }
   return {.what = "simulations begin in noisy recorded states as if these were exact",

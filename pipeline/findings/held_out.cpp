@@ -95,7 +95,7 @@ Findings judge<Check::held_out>(const MethodResults& m) {
   const std::string bands = fmt::format("{:.0f} % of the recorded states lie in {:.0f} % bands",
                                         100.0 * least, 100.0 * kJudgedBand);
   const std::size_t all = m.runs.size();
-  if (narrow > 0 && !m.method.refine.infer_first_states) {
+  if (narrow > 0 && !infers_first_states(m)) {
     return {fails(
         {.id = "narrow",
          .what = "error bars of predictions are too small, by held-out rollouts",
@@ -113,7 +113,10 @@ Findings judge<Check::held_out>(const MethodResults& m) {
     return {cannot_tell({.what = "predictions begin in noisy recorded states, which may move all "
                                  "of a rollout",
                          .evidence = bands,
-                         .advice = "Read the check of residuals instead"})};
+                         .advice = m.is(inference::Algorithm::refine)
+                                       ? "Read the check of residuals instead"
+                                       : "Compare with a refinement that has infer_first_states = "
+                                         "true"})};
   }
   if (least < few) {
     return {cannot_tell({.what = "few recorded states lie in the predicted bands, as may happen to "

@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "analysis/begins_at_rest.h"
 #include "core/text.h"
 #include "inference/diagnostics/bound_pressure.h"
 
@@ -115,6 +116,17 @@ Finding judge_p_value(const MethodResults& m, const PValueProbe& probe) {
   if (failed > 0) said.what = "in round 1, which isn't the result, " + said.what;
   said.advice = "";
   return passes(said);
+}
+
+bool begins_in_motion(const MethodResults& m) {
+  return m.study.target.recording &&
+         (m.study.simulator.segment_length > 0 ||
+          !std::ranges::all_of(m.data.target.rollouts, analysis::begins_at_rest));
+}
+
+bool infers_first_states(const MethodResults& m) {
+  const bool is_fit = family_of(m.method) == inference::AlgorithmFamily::fit;
+  return is_fit ? begins_in_motion(m) : m.method.refine.infer_first_states;
 }
 
 std::string advice_to_learn(const MethodResults& m) {

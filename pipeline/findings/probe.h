@@ -79,6 +79,13 @@ struct PValueProbe {
 };
 Finding judge_p_value(const MethodResults& m, const PValueProbe& probe);
 
+/// Whether simulations begin in recorded states of a device that moves.
+bool begins_in_motion(const MethodResults& m);
+
+/// Whether the noise of such states is inferred by the method; predictions begin in them all the
+/// same.
+bool infers_first_states(const MethodResults& m);
+
 /// One thing that would let a method learn more of its observation.
 std::string advice_to_learn(const MethodResults& m);
 /// The same of a refinement of it: one that the study has, or that it may have.
